@@ -346,11 +346,14 @@ bool Activity::beginAsleep(const solve::System& system, double time, State& whol
   } else {
     system.computeForcesOnAll(time, whole, forces_);
   }
-  const double rounding = kRounding * system.roundingForce(time, whole);
+  system.computeRounding(time, whole, rounding_);
+  loads_.assign(whole.size(), Vec3::Zero());
+  system.addLoadsOnAll(time, whole, loads_);
   for (Index t = 0; t < numTiles(); ++t) {
     bool balanced = true;
     forEachPoint(t, whole, [&](Index i) {
-      balanced = rests(i) && (system.isHeld(i) || forces_[i].norm() <= rounding);
+      const double rounding = kRounding * rounding_[i];
+      balanced = rests(i) && (system.isHeld(i) || (loads_[i].isZero(0.0) && forces_[i].norm() <= rounding));
       if (balanced && system.isOriented()) balanced = system.isTurnHeld(i) || torques_[i].norm() <= rounding * spacing_;
       return balanced;
     });

@@ -78,7 +78,7 @@ class Activity {
   /// Tries to put quiet tiles to sleep, by the forces of the system on a state whose point k is points[k] (null: k).
   /// Points that fall asleep lose their velocity in `whole`. Returns true if fewer tiles move than before.
   bool fallAsleep(const solve::System& system, double time, const State& state, const std::vector<Index>* points, State& whole);
-  /// Before the first step, or after a state was set: points at rest and in balance up to rounding sleep at once.
+  /// Before the first step, or after a state was set: points at rest, without loads and in balance up to rounding sleep at once.
   bool beginAsleep(const solve::System& system, double time, State& whole);
   /// The whole surface sleeps from now on: a step has changed nothing.
   void sleepWholly(State& whole);
@@ -119,7 +119,8 @@ class Activity {
   std::vector<char> marked_;                 // (n)
   std::vector<Index> ring_, needed_points_;  // tiles that are needed since the last ring, and their points
   State still_;
-  Points forces_, forces_there_, torques_, way_;
+  Points forces_, forces_there_, torques_, way_, loads_;
+  std::vector<double> rounding_;
 };
 
 }  // namespace deformable_surface::simulation

@@ -2,6 +2,9 @@
 
 #include "deformable_surface/base/timer.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +20,9 @@ constexpr double kFirstStep = 1.0;      // of the caller's step
 constexpr double kLongestStep = 1e8;    // of the caller's step: the weight is then rounding beside any stiffness
 constexpr double kShortestStep = 1e-6;  // of the caller's step: shorter ones do not lead anywhere
 constexpr double kStride = 0.5;         // of a link: motion of a held point in one part of a static step
-constexpr double kMostParts = 1000.0;
+constexpr double kMostParts = 64.0;
+constexpr double kRow = 1e-6;           // spread of points across a row over that along it, squared
+constexpr double kRigid = 1e-9;         // of the motion: distance from a rigid one that is rounding
 constexpr double kRough = 0.05;         // tolerance of all parts but the last
 constexpr Index kRoughIterations = 10;  // of Newton's method in each of them
 constexpr Index kTrial = 4;             // iterations of a trial: the first stretches what turns, the next undo most of it
@@ -26,6 +31,34 @@ void missBalance(double scale, bool is_out_of_iterations, SolveReport& report) {
   report.converged = false;
   report.unbalanced = std::max(report.unbalanced, report.residual / scale);
   report.is_out_of_iterations = report.is_out_of_iterations || is_out_of_iterations;
+}
+
+// If the held points move as one rigid body from before to after (n x 3, m), the free ones move with it, and true is returned.
+bool moveRigidly(const System& system, const Points& before, Points& after) {
+  Index count = 0;
+  for (Index i = 0; i < system.size(); ++i) count += system.isHeld(i);
+  Eigen::Matrix3Xd from(3, count), to(3, count);
+  for (Index i = 0, k = 0; i < system.size(); ++i) {
+    if (!system.isHeld(i)) continue;
+    from.col(k) = before[i];
+    to.col(k++) = after[i];
+  }
+  const double motion = (to - from).colwise().norm().maxCoeff();
+  const auto isFit = [&](const Eigen::Isometry3d& rigid) {
+    return (rigid * from - to).colwise().norm().maxCoeff() <= kRigid * motion;
+  };
+  Eigen::Isometry3d rigid(Eigen::Translation3d((to - from).rowwise().mean()));
+  if (!isFit(rigid)) {
+    // The turn of points in a row about it is not known.
+    const Eigen::Matrix3Xd centered = from.colwise() - from.rowwise().mean();
+    const Vec3 spread = Eigen::SelfAdjointEigenSolver<Mat3>(centered * centered.transpose()).eigenvalues();
+    if (!(spread[1] > kRow * spread[2])) return false;
+    rigid.matrix() = Eigen::umeyama(from, to, false);
+    if (!isFit(rigid)) return false;
+  }
+  for (Index i = 0; i < system.size(); ++i)
+    if (!system.isHeld(i)) after[i] = rigid * before[i];
+  return true;
 }
 
 bool allFinite(const Points& points) {
@@ -73,10 +106,9 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   // The size of the forces to balance: material, loads and inertia.
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
-  const double rounding = system.roundingForce(time, state);
-  const double enough = std::max(params_.tolerance * scale, rounding);
-  const double untouched = std::max(std::min(params_.tolerance, kUntouched) * scale, rounding);
-  NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, enough};
+  system.computeRounding(time, state, rounding_);
+  const double enough = params_.tolerance * scale, untouched = std::min(params_.tolerance, kUntouched) * scale;
+  NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, rounding_, enough};
   // The start of the search.
   guess_ = state.positions;
   for (Index i = 0; i < n; ++i)
@@ -171,20 +203,27 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
   state.friction.clear();  // an equilibrium is one without friction
   state.self_friction.clear();
-  begin_ = state.positions;
-  const double end = time + step, strides = system.findCarriedStrain(state, carried_) * step / kStride;
+  const double end = time + step;
+  begin_ = end_ = state.positions;
+  for (Index i = 0; i < n; ++i) end_[i] += step * carried_[i];
+  const auto countStrides = [&] { return system.findCarriedStrain(begin_, end_) / kStride; };
+  double strides = countStrides();
+  if (strides > 1.0) report.carrying_work = -system.potentialEnergy(end, state);
+  if (strides > 1.0 && moveRigidly(system, begin_, end_)) {
+    state.positions = end_;
+    strides = 1.0;
+  }
   const Index parts = static_cast<Index>(std::ceil(std::clamp(strides, 1.0, kMostParts)));
-  if (parts > 1) report.carrying_work = 0.0;
   for (Index part = 1; part <= parts && !isInterrupted(); ++part) {
-    const double before = parts > 1 ? system.potentialEnergy(end, state) : 0.0;
     anchor_ = state.positions;
     for (Index i = 0; i < n; ++i)
       if (system.isHeld(i)) state.positions[i] = begin_[i] + step * (static_cast<double>(part) / parts) * carried_[i];
     if (system.motionLimit()) system.motionLimit()->limit(anchor_, state.positions);
-    if (parts > 1) *report.carrying_work += system.potentialEnergy(end, state) - before;
+    if (report.carrying_work) *report.carrying_work += system.potentialEnergy(end, state);
     if (part == parts) break;
     search(system, end, step, std::max(kRough, params_.tolerance), std::min(kRoughIterations, params_.max_iterations), state,
            report);
+    *report.carrying_work -= system.potentialEnergy(end, state);
   }
   const Result result = search(system, end, step, params_.tolerance, params_.max_iterations, state, report);
   if (!result.converged) missBalance(result.scale, result.is_out_of_iterations, report);
@@ -196,8 +235,8 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
 StaticSolver::Result StaticSolver::search(const System& system, double time, double step, double tolerance, Index most,
                                           State& state, SolveReport& report) {
   const Index n = state.size();
-  const double rounding = system.roundingForce(time, state);
-  report.is_quasi_newton = quasi_newton_.solve(system, time, tolerance, rounding, interrupt_, state, report);
+  system.computeRounding(time, state, rounding_);
+  report.is_quasi_newton = quasi_newton_.solve(system, time, tolerance, rounding_, interrupt_, state, report);
   if (report.is_quasi_newton) return {true, false, 0.0};
   weight_.resize(n);
   double pseudo_step = kFirstStep * step;
@@ -215,13 +254,13 @@ StaticSolver::Result StaticSolver::search(const System& system, double time, dou
       safe_energy = system.potentialEnergy(time, state);
     }
     for (Index i = 0; i < n; ++i) weight_[i] = system.masses()[i] / (pseudo_step * pseudo_step);
-    const NewtonDescent::Problem problem{system, time, 0.0, safe_, anchor_, weight_, std::max(tolerance * scale, rounding)};
+    const NewtonDescent::Problem problem{system, time, 0.0, safe_, anchor_, weight_, rounding_, tolerance * scale};
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
     if (trial == 0) {
       scale = std::max(scale, system.largestForce(time, state));
-      if (report.residual <= std::max(tolerance * scale, rounding)) {
+      if (report.residual <= tolerance * scale) {
         converged = true;
         break;
       }

@@ -36,7 +36,7 @@ class ImplicitStage {
   NewtonDescent newton_;
   const std::atomic<bool>* interrupt_ = nullptr;
   Points from_, target_, guess_, begin_;
-  std::vector<double> weight_;
+  std::vector<double> weight_, rounding_;
 };
 
 /// Two implicit stages of the same length; the second ends the step. Second order, exact in free fall, stable at every step, and
@@ -60,8 +60,9 @@ class ImplicitSecondOrder : public Integrator {
 /// A whole step that would raise the energy is taken on trial: large rotations stretch
 /// at first, and the next steps undo that. If these do not end lower than before the trial, it is
 /// undone and the step is shortened (the watchdog technique [Chamberlain et al. 1982]).
-/// Held points that move far move in parts of half a link, with a rough search after each. Moved all at once, they crumple the
-/// surface around them, which then often ends in an equilibrium of much more energy.
+/// Held points that move far move in parts of half a link, 64 at most, with a rough search after each. Moved all at once, they
+/// crumple the surface around them, which then often ends in an equilibrium of much more energy. The parts are straight, also of
+/// a turn. If all held points move as one rigid body, the free ones move with it instead.
 class StaticSolver : public Integrator {
  public:
   explicit StaticSolver(const IntegratorParams& params) : params_(params) {}
@@ -80,9 +81,10 @@ class StaticSolver : public Integrator {
   IntegratorParams params_;
   QuasiNewton quasi_newton_;
   NewtonDescent newton_;
-  Points carried_;                // velocities of held points, m/s
-  Points begin_, anchor_, safe_;  // begin_: of the step; safe_: the last state with the lowest energy so far
-  std::vector<double> weight_;
+  Points carried_;        // velocities of held points, m/s
+  Points begin_, end_;    // of the step
+  Points anchor_, safe_;  // safe_: the last state with the lowest energy so far
+  std::vector<double> weight_, rounding_;
 };
 
 }  // namespace deformable_surface::solve

@@ -44,7 +44,8 @@ double NewtonDescent::evaluate(const Problem& problem, State& state) {
     gradient_[i].setZero();
     if (system.isHeld(i)) continue;
     gradient_[i] = problem.weight[i] * (state.positions[i] - problem.target[i]) - forces_[i];
-    residual = std::max(residual, gradient_[i].norm());
+    const double unbalanced = gradient_[i].norm();
+    if (!(unbalanced <= problem.rounding[i])) residual = std::max(residual, unbalanced);
   }
   residual_ = residual;
   return residual;

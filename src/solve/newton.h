@@ -16,12 +16,13 @@ class NewtonDescent {
  public:
   struct Problem {
     const System& system;
-    double time;                        // s, at which loads are evaluated
-    double step;                        // s; 0 = statics
-    const Points& before;               // (n x 3) m
-    const Points& target;               // y, (n x 3) m
-    const std::vector<double>& weight;  // w, (n) N/m
-    double enough = 0.0;                // N, the unbalanced force that ends the search: directions need be no better
+    double time;                          // s, at which loads are evaluated
+    double step;                          // s; 0 = statics
+    const Points& before;                 // (n x 3) m
+    const Points& target;                 // y, (n x 3) m
+    const std::vector<double>& weight;    // w, (n) N/m
+    const std::vector<double>& rounding;  // (n) N: forces below it are in balance
+    double enough = 0.0;                  // N, the unbalanced force that ends the search: directions need be no better
   };
 
   /// Before the first iteration of a solution: forgets the results of earlier iterations. interrupt: see Integrator.
@@ -36,7 +37,8 @@ class NewtonDescent {
   /// Energy and potential of the loads at a state, J; remembered for the last one.
   double potential(const Problem& problem, const State& state);
 
-  /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
+  /// Computes the gradient at state.positions and returns its largest magnitude on a free point that is not in balance: the
+  /// unbalanced force, N.
   double evaluate(const Problem& problem, State& state);
 
   /// After evaluate(): takes the exact matrix if it is positive definite, else the projected one, or the factor of the last

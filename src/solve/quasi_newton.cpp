@@ -57,13 +57,17 @@ void add(double scale, const Eigen::VectorXd& a, Eigen::VectorXd& sum) { addScal
 
 }  // namespace
 
-double QuasiNewton::findGradient(const System& system, double time, State& state, SolveReport& report) {
+double QuasiNewton::findGradient(const System& system, double time, const std::vector<double>& rounding, State& state,
+                                 SolveReport& report) {
   const Timer timer;
   scale_ = system.computeForcesAndLargest(time, state, forces_);
   report.time_forces += timer.seconds();
   gradient_ = -flatten(forces_);
   double squared = 0.0;
-  for (const Vec3& force : forces_) squared = std::max(squared, force.squaredNorm());
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    const double unbalanced = forces_[i].squaredNorm();
+    if (!(unbalanced <= rounding[i] * rounding[i])) squared = std::max(squared, unbalanced);
+  }
   return std::sqrt(squared);
 }
 
@@ -84,7 +88,8 @@ void QuasiNewton::findDirection(const System& system) {
 }
 
 // Between two known slopes by the zero of the line through them.
-bool QuasiNewton::search(const System& system, double time, State& state, SolveReport& report) {
+bool QuasiNewton::search(const System& system, double time, const std::vector<double>& rounding, State& state,
+                         SolveReport& report) {
   const double slope = dot(gradient_, direction_), residual = report.residual;
   if (!(slope < 0.0)) return false;
   start_ = flatten(state.positions);
@@ -94,7 +99,7 @@ bool QuasiNewton::search(const System& system, double time, State& state, SolveR
   fraction_ = 1.0;
   for (int trial = 0; trial < kMostTrials; ++trial) {
     flatten(state.positions) = start_ + fraction_ * direction_;
-    report.residual = findGradient(system, time, state, report);
+    report.residual = findGradient(system, time, rounding, state, report);
     const double there = dot(gradient_, direction_);
     if (there >= kLeft * slope && there <= -kBeyond * slope) {
       Pair& p = pairs_[num_found_++ % kMemory];
@@ -125,10 +130,10 @@ bool QuasiNewton::search(const System& system, double time, State& state, SolveR
   return false;
 }
 
-bool QuasiNewton::descend(const System& system, double time, double tolerance, double rounding,
+bool QuasiNewton::descend(const System& system, double time, double tolerance, const std::vector<double>& rounding,
                           const std::atomic<bool>* interrupt, State& state, SolveReport& report) {
-  report.residual = findGradient(system, time, state, report);
-  const auto isEnough = [&] { return report.residual <= std::max(tolerance * scale_, rounding); };
+  report.residual = findGradient(system, time, rounding, state, report);
+  const auto isEnough = [&] { return report.residual <= tolerance * scale_; };
   if (isEnough()) return true;
   if (!preconditioner_.prepare(system, state, kFarSupport)) return false;
   const double energy = system.potentialEnergy(time, state);
@@ -137,7 +142,7 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, d
   const bool are_many = state.size() > kMany;
   for (Index k = 1; k <= (are_many ? kMostOfMany : kMost) && !(interrupt && *interrupt); ++k) {
     findDirection(system);
-    if (!search(system, time, state, report)) return false;
+    if (!search(system, time, rounding, state, report)) return false;
     ++report.iterations;
     if (isEnough()) return system.potentialEnergy(time, state) <= energy + 1e-14 * std::abs(energy);
     if (k % kTrial == 0) {
@@ -157,8 +162,8 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, d
   return false;
 }
 
-bool QuasiNewton::solve(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
-                        State& state, SolveReport& report) {
+bool QuasiNewton::solve(const System& system, double time, double tolerance, const std::vector<double>& rounding,
+                        const std::atomic<bool>* interrupt, State& state, SolveReport& report) {
   if (!system.hasElasticityAlone(time, state)) return false;
   pairs_.resize(kMemory);
   for (Pair& pair : pairs_) {

@@ -13,13 +13,13 @@ namespace deformable_surface::solve {
 class QuasiNewton {
  public:
   /// Moves state.positions until no force on a free point exceeds tolerance times the largest force there is (System::
-  /// largestForce()), or rounding, N. True: it succeeded, and the potential energy is no higher than before; adds to
+  /// largestForce()), or its rounding (n), N. True: it succeeded, and the potential energy is no higher than before; adds to
   /// report.iterations and report.time_forces, and sets report.residual. False: the positions are as before, because a force has
   /// no potential or a stiffness beside the surface's, no preconditioner is known, interrupt became true, or the
   /// forces fell too slowly. The velocities must be zero. Allocates nothing after the first time, except
   /// where tension crosses the share of bending below which bending is included.
-  bool solve(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
-             State& state, SolveReport& report);
+  bool solve(const System& system, double time, double tolerance, const std::vector<double>& rounding,
+             const std::atomic<bool>* interrupt, State& state, SolveReport& report);
 
  private:
   // A pair of step and change of gradient.
@@ -28,13 +28,13 @@ class QuasiNewton {
     double inverse = 0.0;          // 1 / (step . change)
     double share = 0.0;            // scratch
   };
-  bool descend(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
-               State& state, SolveReport& report);
-  /// Computes the gradient at state.positions, and scale_, and returns the largest force on a free point, N.
-  double findGradient(const System& system, double time, State& state, SolveReport& report);
+  bool descend(const System& system, double time, double tolerance, const std::vector<double>& rounding,
+               const std::atomic<bool>* interrupt, State& state, SolveReport& report);
+  /// Computes the gradient at state.positions, and scale_, and returns the largest force on a free point above its rounding, N.
+  double findGradient(const System& system, double time, const std::vector<double>& rounding, State& state, SolveReport& report);
   void findDirection(const System& system);
   /// Moves state.positions along the direction and stores the pair; false, and unmoved, if no step length is acceptable.
-  bool search(const System& system, double time, State& state, SolveReport& report);
+  bool search(const System& system, double time, const std::vector<double>& rounding, State& state, SolveReport& report);
   /// The pair of this age; 0: the newest.
   Pair& remember(Index age) { return pairs_[(num_found_ - 1 - age) % static_cast<Index>(pairs_.size())]; }
 

@@ -131,12 +131,12 @@ double System::estimateStaticWork(double from, double to, const State& before, c
   return work;
 }
 
-double System::findCarriedStrain(const State& state, const Points& carried) const {
-  double largest = 0.0;
+double System::findCarriedStrain(const Points& before, const Points& after) const {
+  double largest = 0.0;  // squared
   for (const auto& [i, j] : stretchLinksOf(model_)) {
     if (held_[i] == held_[j]) continue;
-    const double squared = (state.positions[i] - state.positions[j]).squaredNorm();
-    if (squared > 0.0) largest = std::max(largest, (carried[i] - carried[j]).squaredNorm() / squared);
+    const double squared = (before[i] - before[j]).squaredNorm();
+    if (squared > 0.0) largest = std::max(largest, ((after[i] - before[i]) - (after[j] - before[j])).squaredNorm() / squared);
   }
   return std::sqrt(largest);
 }
@@ -240,6 +240,15 @@ void System::computeRowBounds(double time, const State& state) const {
   row_damping_.assign(size(), 0.0);
   model_.addRowBounds(state, row_stiffness_, row_damping_);
   for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+}
+
+// A point near the origin is linked to others that are farther from it.
+void System::computeRounding(double time, const State& state, std::vector<double>& rounding) const {
+  computeRowBounds(time, state);
+  double farthest = 0.0;
+  for (const Vec3& p : state.positions) farthest = std::max(farthest, p.lpNorm<Eigen::Infinity>());
+  rounding.resize(size());
+  for (Index i = 0; i < size(); ++i) rounding[i] = std::numeric_limits<double>::epsilon() * row_stiffness_[i] * farthest;
 }
 
 double System::roundingForce(double time, const State& state) const {

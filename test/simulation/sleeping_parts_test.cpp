@@ -37,6 +37,41 @@ SceneParams pokedSheet() {
 
 cloud::PointCloud finePatch() { return sheetCloud(kSide); }
 
+// A strip that is clamped along two rows and bends under its weight. near: m, of one more point from another; 0: none.
+// A negative result: it was not found, and a notice says so.
+double findSag(double near, double gravity, solve::IntegratorType type) {
+  constexpr double kSpacing = 0.05;
+  cloud::PointCloud cloud = asCloud(makeSheet(21, 6, 1.0, 0.25, 0.2).points);
+  if (near > 0.0) cloud.positions.push_back(cloud.positions[60] + Vec3(near, 0.0, 0.0));
+  SceneParams p = hangingSheet();
+  p.pins[0].region.max.x() = 1.5 * kSpacing;
+  p.material.young_modulus = 1e7;
+  p.material.thickness = 0.01;
+  p.material.bending_rigidity = {};
+  p.gravity = Vec3(0.0, 0.0, -gravity);
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.integrator.type = type;
+  p.integrator.time_step = 0.1;
+  p.accuracy.estimate = false;
+  Simulation s(p, cloud);
+  if (!s.step().notice.empty()) return -1.0;
+  double lowest = 0.0;
+  for (const Vec3& x : s.state().positions) lowest = std::min(lowest, x.z());
+  return -lowest;
+}
+
+// The stiffness between two points almost at one place must not pass for rounding of all forces.
+TEST(SleepingParts, ALoadedSurfaceDoesNotBeginAsleepHoweverSmallTheLoad) {
+  for (const double gravity : {1.0, 1e-2, 1e-4}) {
+    const double sag = findSag(0.0, gravity, solve::IntegratorType::kStatic);
+    EXPECT_GT(sag, 1e-3 * gravity) << gravity;
+    EXPECT_NEAR(findSag(1e-5, gravity, solve::IntegratorType::kStatic), sag, 0.05 * sag) << gravity;
+    EXPECT_GT(findSag(1e-5, gravity, solve::IntegratorType::kImplicit), 0.0) << gravity;
+    const double nearer = findSag(1e-7, gravity, solve::IntegratorType::kStatic);
+    EXPECT_TRUE(nearer < 0.0 || std::abs(nearer - sag) < 0.05 * sag) << gravity << ": " << nearer << ", not " << sag;
+  }
+}
+
 TEST(SleepingParts, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
   SceneParams p = pokedSheet();
   Simulation s(p, finePatch());

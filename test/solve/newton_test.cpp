@@ -18,7 +18,7 @@ struct Descent {
         weight(before.size(), 0.0) {
     newton.begin(nullptr);
   }
-  solve::NewtonDescent::Problem problem() const { return {system, 0.0, 0.0, before, before, weight}; }
+  solve::NewtonDescent::Problem problem() const { return {system, 0.0, 0.0, before, before, weight, rounding}; }
   double evaluate() { return newton.evaluate(problem(), state); }
   solve::NewtonDescent::Step descend() { return newton.descend(problem(), state); }
 
@@ -27,7 +27,8 @@ struct Descent {
   solve::System system;
   State state;
   Points before;
-  std::vector<double> weight;  // N/m
+  std::vector<double> weight;                                         // N/m
+  std::vector<double> rounding = std::vector<double>(weight.size());  // N
   solve::NewtonDescent newton;
 };
 

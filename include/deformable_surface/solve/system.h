@@ -119,12 +119,15 @@ class System {
   double largestForce(double time, const State& state) const;
   /// The same, and computeForces() but for the order of its sums.
   double computeForcesAndLargest(double time, const State& state, Points& forces) const;
-  /// The force below which a balance is rounding, N: that of positions wrong by one unit in the last place.
+  /// The force below which a balance is rounding, N, of each point (n), overwritten: that of positions wrong by one unit in the
+  /// last place.
+  void computeRounding(double time, const State& state, std::vector<double>& rounding) const;
+  /// The same of all, by the place of each point.
   double roundingForce(double time, const State& state) const;
 
-  /// The largest motion per second of a held point (carried, (n) m/s, zero on others) relative to a free point to which it is
-  /// linked, as a share of their distance, 1/s.
-  double findCarriedStrain(const State& state, const Points& carried) const;
+  /// The largest motion of a held point, from before to after (n x 3, m), relative to a free point to which it is linked, as a
+  /// share of their distance before.
+  double findCarriedStrain(const Points& before, const Points& after) const;
 
   /// Upper bound by Gershgorin's theorem of the largest rate of the damping that depends on velocity, 1/s.
   double dampingRate(double time, const State& state) const;
