@@ -133,7 +133,8 @@ def main():
     parser.add_argument("--set", action="append", default=[])
     parser.add_argument("--keep", help="folder for the final clouds")
     options = parser.parse_args()
-    folder = options.keep or tempfile.mkdtemp()
+    temporary = tempfile.TemporaryDirectory()  # removed at the end
+    folder = options.keep or temporary.name
     os.makedirs(folder, exist_ok=True)
     print("points  ball jitter seed | %-28s | the package's own count" % "pieces, tunnels, voids")
     wrong = total = 0

@@ -153,9 +153,8 @@ void requireRegions(const SceneParams& params, const RestSurface& s) {
           count(static_cast<Index>(s.points.size()), "simulation points at rest; accepted: a shape that holds at least one"));
 }
 
-// Simulation points of a full surface, their surroundings and its area. area: finds that of the dense points, m^2.
-void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, const std::function<double()>& area,
-                          RestSurface& s) {
+// Simulation points of a full surface and their surroundings.
+void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, RestSurface& s) {
   // As many as wanted, up to a hundredth, also if some belong to no surface.
   const bool is_by_threshold = params.simplification.target_points == 0 && !params.simplification.threshold.is_auto;
   const Index asked = static_cast<Index>(kept.size());
@@ -173,7 +172,6 @@ void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, co
                             "that is kept"));
   if (dropped > 0)
     s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
-  s.area = area();
 }
 
 // Along the surface: the usable ones among the coarser points near each point of the level.
@@ -202,28 +200,18 @@ RestSurface prepareMassSpring(const SceneParams& params, const cloud::PointCloud
   cloud::Boundary boundary = completeNormals(viewpoint, params.neighbors.k, std::move(estimated), seen);
   std::vector<Index> kept = chooseSimulationPoints(params, chooseHeldPoints(params, seen.dense.positions), boundary, coarsest,
                                                    seen, half ? kOneByOneOfHalf : cloud::kOneByOne);
-  const auto measureArea = [&] { return cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors); };
-  if (to_choose) {
-    s.area = measureArea();
-    noteLeftOut(s);
-    return s;
-  }
-  if (half) {
-    s.area = measureArea();
-    takeHalf(*viewpoint, std::move(*half), kept, s);
-  }
+  s.area = cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors);
+  if (half) takeHalf(*viewpoint, std::move(*half), kept, s);
   noteLeftOut(s);
-  takeSimulationPoints(
-      params, std::move(kept), [&, known = s.area] { return half ? known : measureArea(); }, s);
+  if (to_choose) return s;
+  takeSimulationPoints(params, std::move(kept), s);
   followSimulationPoints(params, s);
   return s;
 }
 
 RestSurface finishMassSpringRest(const SceneParams& params, RestSurface s, const ModelKind::Choose& choose) {
   if (choose) {
-    const double area = s.area;
-    takeSimulationPoints(
-        params, s.order.keepCount(choose(s)), [&] { return area; }, s);
+    takeSimulationPoints(params, s.order.keepCount(choose(s)), s);
     followSimulationPoints(params, s);
   }
   buildModel(params, s, s);
@@ -240,8 +228,8 @@ RestSurface makeMassSpringTrial(const SceneParams& params, const RestSurface& fu
   s.leader = full.leader;
   s.order = full.order;
   s.closed = full.closed;
-  takeSimulationPoints(
-      params, full.order.keepCount(points), [&] { return full.area; }, s);
+  s.area = full.area;
+  takeSimulationPoints(params, full.order.keepCount(points), s);
   buildModel(params, s, s);
   return s;
 }

@@ -129,7 +129,8 @@ void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
                     (settled.is_near ? "at rest as the cloud's shape"
                                      : "even; they are not at rest, for the only rest that was found is a "
                                        "crumpled one: material.bending_rigidity is too small, or particles lie on others") +
-                    "; the cloud's points ride on them (oriented_particles.rest_shape flat: they begin where the points are)");
+                    "; the cloud's points ride on them (oriented_particles.rest_shape flat: they begin where the points are, "
+                    "unless two are too near)");
 }
 
 // A flat lattice is the rest shape. Where two particles are so near that their repulsion holds more energy than a bond, the cloud
@@ -155,8 +156,7 @@ void partCrushed(const Vec2& exponents, model::OrientedParticles& model, RestSur
   const double spacing = model.lattice().spacing;
   s.notes.push_back(count(crushed, "particles were nearer to another than bonds can hold: all slid over the surface by ") +
                     formatShort(moves.root_mean_square / spacing) + " spacings (rms; at most " +
-                    formatShort(moves.largest / spacing) +
-                    ") before time 0 until they were even; the cloud's points ride on them");
+                    formatShort(moves.largest / spacing) + ") before time 0 to become even; the cloud's points ride on them");
 }
 
 // Oriented particles on the simulation points, which need not be a surface yet.
