@@ -14,6 +14,8 @@ constexpr double kLeast = 0.5;
 constexpr double kOfRoom = 0.9;
 // Factor on a pair's thickness: parts as near as that may touch soon, at any speed.
 constexpr double kWatched = 1.5;
+constexpr double kAhead = 8.0;       // calls of limit() for which the motion of the present one is predicted
+constexpr Index kMostFailures = 4;   // after each, proofs are tried half as often
 constexpr int kCollisions = 8;       // passes
 constexpr double kRounding = 1e-15;  // m
 
@@ -21,7 +23,11 @@ constexpr double kRounding = 1e-15;  // m
 
 SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses,
                          const SelfContactParams& params)
-    : list_(std::move(rest), triangles, params.thickness), masses_(std::move(masses)), params_(params) {}
+    : clearance_(rest, triangles, params.thickness),
+      motion_(rest.size()),
+      list_(std::move(rest), triangles, params.thickness),
+      masses_(std::move(masses)),
+      params_(params) {}
 
 void SelfContact::keepWhole(const std::vector<char>& is_whole) {
   list_.keepWhole(is_whole);
@@ -54,7 +60,37 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
   return near_;
 }
 
+void SelfContact::forgetMotion() {
+  clearance_.forget();
+  failures_ = pause_ = 0;
+}
+
+bool SelfContact::staysUncrossed(const Points& before, const Points& after) {
+  if (clearance_.staysUncrossed(before, after)) return true;
+  if (pause_ > 0) {
+    --pause_;
+    return false;
+  }
+  for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = after[i] - before[i];
+  if (clearance_.prove(before, motion_, kAhead) && clearance_.staysUncrossed(before, after)) {
+    failures_ = 0;
+    return true;
+  }
+  failures_ = std::min(failures_ + 1, kMostFailures);
+  pause_ = (Index{1} << failures_) - 1;
+  return false;
+}
+
+// Whether no pair is nearer than its thickness: true only if that is quick to prove.
+bool SelfContact::isApart(const Points& positions) {
+  if (clearance_.isApartAt(positions)) return true;
+  motion_.assign(positions.size(), Vec3::Zero());
+  return clearance_.prove(positions, motion_, 0.0) && clearance_.isApart();
+}
+
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
+  forgetMotion();
+  if (clearance_.prove(positions, velocities, time) && clearance_.isApart()) return false;
   for (const Near& near : measure(positions, list_.usualReach())) {
     const double watched = kWatched * near.pair->thickness;
     if (near.distance < watched) return true;
@@ -314,6 +350,7 @@ void SelfContact::stopTogether() {
 const std::vector<Index>& SelfContact::limit(const Points& before, Points& after) {
   const Index n = static_cast<Index>(before.size());
   cut_.clear();
+  if (staysUncrossed(before, after)) return cut_;
   // Common motion brings no parts nearer.
   Vec3 shared = Vec3::Zero();
   bool does_one_stay = false;
@@ -352,6 +389,7 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
 }
 
 Index SelfContact::countTouching(const Points& positions) {
+  if (isApart(positions)) return 0;
   const std::vector<Near>& all = measure(positions, 0.0);
   return static_cast<Index>(std::count_if(all.begin(), all.end(), touches));
 }
@@ -359,6 +397,7 @@ Index SelfContact::countTouching(const Points& positions) {
 std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, const Points& velocities,
                                                       const std::vector<PairAnchor>& anchors) {
   std::vector<SelfContactForce> list;
+  if (isApart(positions)) return list;
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
     const double depth = near.pair->thickness - near.distance;
@@ -374,6 +413,7 @@ std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, c
 
 double SelfContact::leastDistance(const Points& positions) {
   double least = std::numeric_limits<double>::infinity();
+  if (isApart(positions)) return least;
   for (const Near& near : measure(positions, 0.0))
     if (near.distance < near.pair->thickness) least = std::min(least, near.distance);
   return least;

@@ -273,7 +273,10 @@ void Dynamics::followPopulation(const Population& population) {
 void Dynamics::disturb(double size) {
   const Points before = now_.points.positions;
   disturb(size, now_.points.positions);
-  if (loads_.self_contact) loads_.self_contact->limit.limit(before, now_.points.positions);
+  if (loads_.self_contact) {
+    loads_.self_contact->contact.forgetMotion();
+    loads_.self_contact->limit.limit(before, now_.points.positions);
+  }
   Changes changes;
   changes.everywhere = true;
   follow(changes);

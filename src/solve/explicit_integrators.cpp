@@ -116,27 +116,28 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
 
 namespace {
 
-// One number per coordinate: the loops below run over plain arrays. force: at the beginning; next: its estimate
-// at the end, for the velocity predicted there.
+// One number per coordinate: the loops below run over plain arrays. from: may be position. force: at the beginning; next: its
+// estimate at the end, for the velocity predicted there.
 DEFORMABLE_SURFACE_WIDE void kickAndDrift(Index size, double decay, const double* kick, const double* drift, const double* force,
-                                          const double* next, double* velocity, double* predicted, double* position) {
+                                          const double* next, const double* from, double* velocity, double* predicted,
+                                          double* position) {
 #pragma GCC ivdep
   for (Index k = 0; k < size; ++k) {
     velocity[k] = decay * velocity[k] + kick[k] * force[k];
-    position[k] += drift[k] * velocity[k];
+    position[k] = from[k] + drift[k] * velocity[k];
     predicted[k] = decay * (velocity[k] + kick[k] * next[k]);
   }
 }
 
 // The end of one sub-step and the beginning of the next.
 DEFORMABLE_SURFACE_WIDE void kickTwiceAndDrift(Index size, double decay, const double* kick, const double* drift,
-                                               const double* force, const double* next, double* velocity, double* predicted,
-                                               double* position) {
+                                               const double* force, const double* next, const double* from, double* velocity,
+                                               double* predicted, double* position) {
 #pragma GCC ivdep
   for (Index k = 0; k < size; ++k) {
     const double half_kick = kick[k] * force[k];
     velocity[k] = decay * (decay * (velocity[k] + half_kick)) + half_kick;
-    position[k] += drift[k] * velocity[k];
+    position[k] = from[k] + drift[k] * velocity[k];
     predicted[k] = decay * (velocity[k] + kick[k] * next[k]);
   }
 }
@@ -272,6 +273,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   beginForces(system, time, cut.inner, state);
   report.time_forces += timer.seconds();
   predicted_.velocities.resize(n);
+  if (limit) before_.resize(n);
   predicted_.friction = state.friction;
   predicted_.self_friction = state.self_friction;
   double *const velocity = state.velocities.data()->data(), *const predicted = predicted_.velocities.data()->data();
@@ -281,19 +283,21 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   const double once = 1.0 - half_decay * half_decay, twice = 1.0 - std::pow(half_decay, 4);
   if (is_damped) report.dissipated = once * kineticEnergy(mass_, 0.0, kick_, forces_, state.velocities);
   for (Index s = 0; s < report.substeps; ++s) {
-    if (limit) before_ = state.positions;
+    if (limit) before_.swap(state.positions);
     // Half kicks and drift. The velocity at the end is predicted with the acceleration of the beginning.
     const bool ends = has_slow && (s + 1) % cut.inner == 0;
     if (ends && !slow_acts) addSlow(cut.inner);
     const double* const force = (slow_acts ? forces_with_slow_ : forces_).data()->data();
     const double* const next = (ends ? forces_with_slow_ : forces_).data()->data();
     double* const position = state.positions.data()->data();
+    const double* const from = limit ? before_.data()->data() : position;
     parallelFor(3 * n, kBlock, [&](Index begin, Index end) {
       (s == 0 ? kickAndDrift : kickTwiceAndDrift)(end - begin, half_decay, &kick_[begin], &drift_[begin], force + begin,
-                                                  next + begin, velocity + begin, predicted + begin, position + begin);
+                                                  next + begin, from + begin, velocity + begin, predicted + begin,
+                                                  position + begin);
     });
     for (const Carried& c : carried_) {
-      state.positions[c.point] += dt * c.velocity;
+      state.positions[c.point] = Eigen::Map<const Vec3>(from + 3 * c.point) + dt * c.velocity;
       predicted_.velocities[c.point] = c.velocity;
     }
     if (limit) stopped = &limitMotion(system, *limit, dt, state);

@@ -5,6 +5,7 @@
 // ball locks points at the least distance.
 #pragma once
 
+#include "deformable_surface/contact/clearance.h"
 #include "deformable_surface/contact/friction_anchors.h"
 #include "deformable_surface/contact/friction_law.h"
 #include "deformable_surface/contact/pair_list.h"
@@ -31,7 +32,7 @@ struct SelfContactForce {
 };
 
 /// Contact of one surface. Not thread-safe: all functions share scratch memory. Results depend only on positions and velocities,
-/// not on earlier calls.
+/// not on earlier calls. Those of limit() also depend on its calls since the last mayTouch().
 class SelfContact {
  public:
   /// rest: (n) m; masses: (n) kg. Triangles that cross others at rest are never active.
@@ -41,8 +42,8 @@ class SelfContact {
   void keepWhole(const std::vector<char>& is_whole);
   /// See SelfContactParams.
   void setRate(double rate) { params_.rate = rate; }
-  /// Whether two parts are near each other, or will be within a time, s, if their distance keeps changing at its present rate.
-  /// Checks only the pairs in the usual list.
+  /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
+  /// changing at its present rate. Checks only the pairs in the usual list, and none if Clearance proves that they stay apart.
   bool mayTouch(const Points& positions, const Points& velocities, double time);
 
   /// Adds the springs' forces, N.
@@ -71,7 +72,7 @@ class SelfContact {
   /// Changes straight paths from `before` to `after` so that no two parts cross at any time, with all points at constant speed.
   /// Parts that would come too near collide inelastically. Where that does not suffice, they move on together. Both dissipate
   /// energy and conserve momentum. Points that do not move stay, and stop the parts that would move on with them. Returns the
-  /// points whose paths were changed, ascending; valid until the next call.
+  /// points whose paths were changed, ascending; valid until the next call. What Clearance proves not to cross is not changed.
   const std::vector<Index>& limit(const Points& before, Points& after);
 
   /// Number of pairs nearer than their thickness, and their forces. anchors: as in addFriction().
@@ -80,6 +81,8 @@ class SelfContact {
                                            const std::vector<PairAnchor>& anchors);
   /// Distance of the nearest pair, m; infinite if none is nearer than the thickness.
   double leastDistance(const Points& positions);
+  /// Forgets the motion since the last mayTouch(), for a call of limit() outside of a step.
+  void forgetMotion();
   Index numSearches() const { return list_.numSearches(); }
   const PairList& pairs() const { return list_; }
 
@@ -115,6 +118,8 @@ class SelfContact {
   /// Sliding velocity, m/s, along the surfaces.
   static Vec3 findSliding(const Near& near, const Points& velocities);
 
+  bool staysUncrossed(const Points& before, const Points& after);
+  bool isApart(const Points& positions);
   static bool touches(const Near& near);
   /// Adds the block, given at the gap, to the blocks of the pair's vertices.
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
@@ -125,6 +130,9 @@ class SelfContact {
   void collide();
   void stopTogether();
 
+  Clearance clearance_;
+  Index failures_ = 0, pause_ = 0;  // proofs that failed in a row, and calls of limit() until the next one
+  Points motion_;                   // m, scratch
   PairList list_;
   const std::vector<double> masses_;
   SelfContactParams params_;

@@ -1,0 +1,80 @@
+// A cheap proof that a moving surface does not pass through itself: seen from one direction, nothing lies over anything.
+#pragma once
+
+#include "deformable_surface/contact/pair_list.h"
+
+#include <vector>
+
+namespace deformable_surface::contact {
+
+/// Each connected part of the surface is projected onto a plane. No two of its triangles overlap there if all keep their
+/// orientation and if each loop of the boundary, seen from its middle, is passed once around in a constant sense [Volino and
+/// Magnenat-Thalmann 1994]: the number of places above a point of the plane is the sum of the winding numbers of the loops about
+/// it, at most one. Primitives without a common vertex are then at least as far apart as the least altitude of the projected
+/// triangles, and of the triangles of the loops' edges with their middles. Boxes keep the parts apart.
+///
+/// The points' motion is predicted. The proof holds as long as all remain within a tolerance of it. This is cheap to check.
+class Clearance {
+ public:
+  /// For primitives that are to stay farther apart than distance (m). rest: (n) m.
+  Clearance(const Points& rest, const std::vector<Triangle>& triangles, double distance);
+
+  /// Tries the proof for points that keep their velocities (n) for a time; m and s, or any other unit of time.
+  bool prove(const Points& positions, const Points& velocities, double time);
+  void forget() { tolerance_ = apart_tolerance_ = -1.0; }
+  /// Whether all primitives are farther apart than the distance throughout the motion of the last prove().
+  bool isApart() const { return apart_tolerance_ > 0.0; }
+  /// The same at these positions.
+  bool isApartAt(const Points& positions) const { return isApart() && isNear(positions, apart_tolerance_); }
+  /// Whether nothing crosses anything on straight paths from `before` to `after`.
+  bool staysUncrossed(const Points& before, const Points& after) const {
+    return tolerance_ > 0.0 && isNear(before, tolerance_) && isNear(after, tolerance_);
+  }
+
+ private:
+  struct Loop {
+    Index first;  // in loop_points_
+    bool is_hole;
+  };
+  struct Part {
+    Index first_point, first_triangle, first_loop;  // the ranges end where those of the next part begin
+  };
+  // A point in the plane at the beginning and the end of the motion, m.
+  struct Flat {
+    double u, v, u_end, v_end;
+  };
+  // m, by which each point may deviate from the prediction before two primitives can cross, or be as near as the distance.
+  struct Room {
+    double uncrossed, apart;
+
+    bool isLeft() const { return uncrossed > 0.0; }
+    void restrict(const Room& other);
+  };
+
+  Room findRoom(const Points& positions, const Points& motion);
+  Vec3 findDirection(const Part& part, const Part& next, const Points& positions, const Points& motion) const;
+  void project(const Part& part, const Part& next, const Vec3& direction, const Points& positions, const Points& motion);
+  Room checkTriangles(Index begin, Index end) const;
+  Room checkLoop(const Loop& loop, Index end) const;
+  Room checkTurns(const Flat& p, const Flat& q, double p_length, double q_length, double sense) const;
+  Room checkParts(const Points& positions, const Points& motion);
+  Room roomOf(double twice_area, double length, double arms) const;
+  bool isNear(const Points& positions, double tolerance) const;
+
+  const double distance_;
+  double edge_ = 0.0;                                 // m, median at rest
+  bool is_possible_ = true;                           // false: some point has no triangle, or some loop passes a point twice
+  std::vector<Part> parts_;                           // and one more
+  std::vector<Index> points_;                         // by part
+  std::vector<Triangle> triangles_;                   // by part
+  std::vector<Loop> loops_;                           // by part, and one more
+  std::vector<Index> loop_points_;                    // with the surface on the left
+  std::vector<Flat> flat_;                            // (n)
+  std::vector<Room> rooms_;                           // of blocks of triangles
+  std::vector<Box> boxes_;                            // of the parts
+  double tolerance_ = -1.0, apart_tolerance_ = -1.0;  // m, by which each coordinate may deviate; negative: not proven
+  Points from_, motion_;                              // m, the prediction
+  Index leader_ = 0;                                  // the point that moves farthest: shows how much of the motion is done
+};
+
+}  // namespace deformable_surface::contact

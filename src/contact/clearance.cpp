@@ -1,0 +1,325 @@
+#include "deformable_surface/contact/clearance.h"
+
+#include "deformable_surface/base/median.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/simd.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace deformable_surface::contact {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+// Of the median edge: more tolerance is not asked for, less is not worth the proof.
+constexpr double kMostTolerance = 0.2, kLeastTolerance = 0.002;
+constexpr Index kBlock = 512;          // triangles per task
+constexpr Index kNumberBlock = 16384;  // coordinates per task
+
+// Twice the signed area between a and b, two sides that change linearly. It is quadratic in time: not below the least of its
+// coefficients over the polynomials of Bernstein.
+double leastArea(double a_u, double a_v, double b_u, double b_v, double a_u_end, double a_v_end, double b_u_end, double b_v_end) {
+  const double first = a_u * b_v - a_v * b_u, last = a_u_end * b_v_end - a_v_end * b_u_end;
+  const double middle = 0.5 * ((a_u * b_v_end - a_v * b_u_end) + (a_u_end * b_v - a_v_end * b_u));
+  return std::min({first, middle, last});
+}
+
+double largestSquare(double u, double v, double u_end, double v_end) {
+  return std::max(u * u + v * v, u_end * u_end + v_end * v_end);
+}
+
+// Whether no coordinate is farther than the tolerance from the prediction, nor undefined.
+DEFORMABLE_SURFACE_WIDE bool areNear(Index size, double share, double tolerance, const double* x, const double* from,
+                                     const double* motion) {
+  using Flags = decltype(Double4{} < Double4{});
+  Flags near = Flags{-1, -1, -1, -1};
+  Index k = 0;
+  for (; k + 4 <= size; k += 4) {
+    Double4 at, begin, way;
+    load(x + k, at);
+    load(from + k, begin);
+    load(motion + k, way);
+    const Double4 aside = at - (begin + share * way);
+    near &= (aside <= tolerance) & (aside >= -tolerance);
+  }
+  bool all = (near[0] & near[1] & near[2] & near[3]) != 0;
+  for (; k < size; ++k) all = all && std::abs(x[k] - (from[k] + share * motion[k])) <= tolerance;
+  return all;
+}
+
+// The least rooms of four triangles at a time. size: a multiple of four. See roomOf().
+DEFORMABLE_SURFACE_WIDE void findRooms(Index size, const Triangle* triangles, const double* flat, double distance, double most,
+                                       double& uncrossed, double& apart) {
+  Double4 least{kFar, kFar, kFar, kFar}, least_apart = least;
+  for (Index t = 0; t < size; t += 4) {
+    Double4 p[4], q[4], r[4];  // of four triangles; then u, v, u_end, v_end
+    for (int k = 0; k < 4; ++k) {
+      load(flat + 4 * triangles[t + k][0], p[k]);
+      load(flat + 4 * triangles[t + k][1], q[k]);
+      load(flat + 4 * triangles[t + k][2], r[k]);
+      q[k] -= p[k];
+      r[k] -= p[k];
+    }
+    transpose(q[0], q[1], q[2], q[3]);
+    transpose(r[0], r[1], r[2], r[3]);
+    const Double4 first = q[0] * r[1] - q[1] * r[0], last = q[2] * r[3] - q[3] * r[2];
+    const Double4 middle = 0.5 * ((q[0] * r[3] - q[1] * r[2]) + (q[2] * r[1] - q[3] * r[0]));
+    Double4 twice = first < last ? first : last;
+    twice = middle < twice ? middle : twice;
+    Double4 longest{};
+    for (int end = 0; end < 4; end += 2) {
+      const Double4 u = r[end] - q[end], v = r[end + 1] - q[end + 1];
+      const Double4 a = q[end] * q[end] + q[end + 1] * q[end + 1], b = r[end] * r[end] + r[end + 1] * r[end + 1],
+                    c = u * u + v * v;
+      longest = a > longest ? a : longest;
+      longest = b > longest ? b : longest;
+      longest = c > longest ? c : longest;
+    }
+    takeRoots(longest);
+    const Double4 change = 4.0 * (longest + most);
+    const Double4 room = twice / change, room_apart = (twice - distance * longest) / (change + 2.0 * distance);
+    // Undefined numbers remain.
+    least = room >= least ? least : room;
+    least_apart = room_apart >= least_apart ? least_apart : room_apart;
+  }
+  uncrossed = apart = kFar;
+  for (int k = 0; k < 4; ++k) {
+    uncrossed = least[k] >= uncrossed ? uncrossed : least[k];
+    apart = least_apart[k] >= apart ? apart : least_apart[k];
+  }
+}
+
+}  // namespace
+
+void Clearance::Room::restrict(const Room& other) {
+  uncrossed = uncrossed <= other.uncrossed ? uncrossed : other.uncrossed;
+  apart = apart <= other.apart ? apart : other.apart;
+}
+
+Clearance::Clearance(const Points& rest, const std::vector<Triangle>& triangles, double distance) : distance_(distance) {
+  const Index n = static_cast<Index>(rest.size());
+  // Parts by their first points.
+  std::vector<Index> root(n);
+  std::iota(root.begin(), root.end(), Index{0});
+  const auto find = [&](Index i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  std::vector<char> has_triangle(n, 0);
+  std::vector<double> lengths;
+  std::map<std::pair<Index, Index>, bool> edges;
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) {
+      const Index a = find(t[k]), b = find(t[(k + 1) % 3]);
+      root[std::max(a, b)] = std::min(a, b);
+      has_triangle[t[k]] = 1;
+      lengths.push_back((rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
+      edges[{t[k], t[(k + 1) % 3]}] = true;
+    }
+  if (std::count(has_triangle.begin(), has_triangle.end(), char{0}) > 0 || triangles.empty()) {
+    is_possible_ = false;
+    return;
+  }
+  edge_ = findMedian(std::move(lengths));
+  std::map<Index, Index> next;  // along the boundary
+  for (const auto& [edge, exists] : edges)
+    if (edges.count({edge.second, edge.first}) == 0) is_possible_ = next.insert(edge).second && is_possible_;
+  std::vector<std::vector<Index>> loops;
+  while (is_possible_ && !next.empty()) {
+    loops.emplace_back();
+    for (auto at = next.begin(); at != next.end(); at = next.find(loops.back().back())) {
+      loops.back().push_back(at->second);
+      next.erase(at);
+    }
+  }
+  if (!is_possible_) return;
+
+  for (Index i = 0; i < n; ++i) {
+    if (find(i) != i) continue;
+    parts_.push_back(
+        {static_cast<Index>(points_.size()), static_cast<Index>(triangles_.size()), static_cast<Index>(loops_.size())});
+    for (Index j = i; j < n; ++j)
+      if (find(j) == i) points_.push_back(j);
+    for (const Triangle& t : triangles)
+      if (find(t[0]) == i) triangles_.push_back(t);
+    Vec3 whole = Vec3::Zero();
+    std::vector<Vec3> areas;
+    for (const std::vector<Index>& loop : loops) {
+      if (find(loop[0]) != i) continue;
+      Vec3 area = Vec3::Zero();
+      for (std::size_t k = 0; k < loop.size(); ++k)
+        area += (rest[loop[k]] - rest[loop[0]]).cross(rest[loop[(k + 1) % loop.size()]] - rest[loop[0]]);
+      areas.push_back(area);
+      whole += area;
+      loops_.push_back({static_cast<Index>(loop_points_.size()), true});
+      loop_points_.insert(loop_points_.end(), loop.begin(), loop.end());
+    }
+    if (areas.empty()) {
+      is_possible_ = false;  // closed
+      return;
+    }
+    const auto largest =
+        std::max_element(areas.begin(), areas.end(), [&](const Vec3& a, const Vec3& b) { return a.dot(whole) < b.dot(whole); });
+    loops_[parts_.back().first_loop + (largest - areas.begin())].is_hole = false;
+  }
+  parts_.push_back({n, static_cast<Index>(triangles_.size()), static_cast<Index>(loops_.size())});
+  loops_.push_back({static_cast<Index>(loop_points_.size()), false});
+  flat_.resize(n);
+  rooms_.resize((triangles_.size() - 1) / kBlock + 1);
+  boxes_.resize(parts_.size() - 1);
+  from_.resize(n);
+  motion_.resize(n);
+}
+
+// Each point within d of its prediction changes an area by at most 2 d (|a| + |b|) + 4 d^2, a length by at most 2 d.
+// length: the longest that the altitude may have as its base; arms: the sum of those of the sides.
+Clearance::Room Clearance::roomOf(double twice_area, double length, double arms) const {
+  const double most = kMostTolerance * edge_;
+  return {twice_area / (2.0 * arms + 4.0 * most),
+          (twice_area - distance_ * length) / (2.0 * arms + 4.0 * most + 2.0 * distance_)};
+}
+
+// The normal of the surface's mean, half-way through the motion: by the theorem of Stokes it follows from the boundary.
+Vec3 Clearance::findDirection(const Part& part, const Part& next, const Points& positions, const Points& motion) const {
+  Vec3 sum = Vec3::Zero();
+  for (Index l = part.first_loop; l < next.first_loop; ++l) {
+    const Index first = loops_[l].first, end = loops_[l + 1].first;
+    const auto place = [&](Index k) -> Vec3 { return positions[loop_points_[k]] + 0.5 * motion[loop_points_[k]]; };
+    const Vec3 origin = place(first);
+    Vec3 p = place(end - 1) - origin;
+    for (Index k = first; k < end; ++k) {
+      const Vec3 q = place(k) - origin;
+      sum += p.cross(q);
+      p = q;
+    }
+  }
+  return sum.normalized();
+}
+
+void Clearance::project(const Part& part, const Part& next, const Vec3& direction, const Points& positions,
+                        const Points& motion) {
+  const Vec3 across = direction.unitOrthogonal(), other = direction.cross(across);
+  const Vec3 origin = positions[points_[part.first_point]];
+  parallelFor(next.first_point - part.first_point, kBlock, [&](Index begin, Index end) {
+    for (Index k = part.first_point + begin; k < part.first_point + end; ++k) {
+      const Index i = points_[k];
+      const Vec3 place = positions[i] - origin;
+      const double u = across.dot(place), v = other.dot(place);
+      flat_[i] = {u, v, u + across.dot(motion[i]), v + other.dot(motion[i])};
+    }
+  });
+}
+
+Clearance::Room Clearance::checkTriangles(Index begin, Index end) const {
+  Room room{kFar, kFar};
+  const double* const flat = &flat_.data()->u;
+  const double most = kMostTolerance * edge_;
+  const Index whole = (end - begin) / 4 * 4;
+  findRooms(whole, &triangles_[begin], flat, distance_, most, room.uncrossed, room.apart);
+  if (begin + whole == end) return room;
+  std::array<Triangle, 4> others;
+  others.fill(triangles_[end - 1]);
+  std::copy(triangles_.begin() + begin + whole, triangles_.begin() + end, others.begin());
+  Room other{kFar, kFar};
+  findRooms(4, others.data(), flat, distance_, most, other.uncrossed, other.apart);
+  room.restrict(other);
+  return room;
+}
+
+Clearance::Room Clearance::checkLoop(const Loop& loop, Index end) const {
+  Flat middle{0.0, 0.0, 0.0, 0.0};
+  for (Index k = loop.first; k < end; ++k) {
+    const Flat& p = flat_[loop_points_[k]];
+    middle = {middle.u + p.u, middle.v + p.v, middle.u_end + p.u_end, middle.v_end + p.v_end};
+  }
+  const double share = 1.0 / static_cast<double>(end - loop.first), sense = loop.is_hole ? -1.0 : 1.0;
+  const auto arm = [&](Index k) -> Flat {
+    const Flat& p = flat_[loop_points_[k]];
+    return {p.u - share * middle.u, p.v - share * middle.v, p.u_end - share * middle.u_end, p.v_end - share * middle.v_end};
+  };
+  const auto lengthOf = [](const Flat& p) { return std::sqrt(largestSquare(p.u, p.v, p.u_end, p.v_end)); };
+  Room room{kFar, kFar};
+  Index changes = 0;  // of the side on which the arm lies: two for each turn
+  Flat p = arm(end - 1);
+  double p_length = lengthOf(p);
+  for (Index k = loop.first; k < end; ++k) {
+    const Flat q = arm(k);
+    const double q_length = lengthOf(q);
+    const double twice = sense > 0.0 ? leastArea(p.u, p.v, q.u, q.v, p.u_end, p.v_end, q.u_end, q.v_end)
+                                     : leastArea(q.u, q.v, p.u, p.v, q.u_end, q.v_end, p.u_end, p.v_end);
+    room.restrict(roomOf(twice, std::max(p_length, q_length), p_length + q_length));
+    if ((p.v < 0.0) != (q.v < 0.0)) ++changes;
+    p = q;
+    p_length = q_length;
+  }
+  return changes == 2 ? room : Room{-1.0, -1.0};
+}
+
+Clearance::Room Clearance::checkParts(const Points& positions, const Points& motion) {
+  const std::size_t num = boxes_.size();
+  for (std::size_t p = 0; p < num; ++p) {
+    boxes_[p].setEmpty();
+    for (Index k = parts_[p].first_point; k < parts_[p + 1].first_point; ++k) {
+      boxes_[p].extend(positions[points_[k]]);
+      boxes_[p].extend(positions[points_[k]] + motion[points_[k]]);
+    }
+  }
+  Room room{kFar, kFar};
+  for (std::size_t p = 0; p < num; ++p)
+    for (std::size_t q = p + 1; q < num; ++q) {
+      const double gap = (boxes_[q].min() - boxes_[p].max()).cwiseMax(boxes_[p].min() - boxes_[q].max()).maxCoeff();
+      room.restrict({0.5 * gap, 0.5 * (gap - distance_)});
+    }
+  return room;
+}
+
+Clearance::Room Clearance::findRoom(const Points& positions, const Points& motion) {
+  Room room{kMostTolerance * edge_, kMostTolerance * edge_};
+  if (parts_.size() > 2) room.restrict(checkParts(positions, motion));
+  for (std::size_t p = 0; p + 1 < parts_.size() && room.isLeft(); ++p) {
+    const Part &part = parts_[p], &next = parts_[p + 1];
+    project(part, next, findDirection(part, next, positions, motion), positions, motion);
+    for (Index l = part.first_loop; l < next.first_loop && room.isLeft(); ++l)
+      room.restrict(checkLoop(loops_[l], loops_[l + 1].first));
+    if (!room.isLeft()) break;
+    parallelFor(next.first_triangle - part.first_triangle, kBlock, [&](Index begin, Index end) {
+      rooms_[begin / kBlock] = checkTriangles(part.first_triangle + begin, part.first_triangle + end);
+    });
+    const Index num_blocks = (next.first_triangle - part.first_triangle - 1) / kBlock + 1;
+    for (Index b = 0; b < num_blocks; ++b) room.restrict(rooms_[b]);
+  }
+  return room;
+}
+
+bool Clearance::prove(const Points& positions, const Points& velocities, double time) {
+  forget();
+  if (!is_possible_) return false;
+  leader_ = 0;
+  for (std::size_t i = 0; i < motion_.size(); ++i) {
+    motion_[i] = time * velocities[i];
+    if (motion_[i].squaredNorm() > motion_[leader_].squaredNorm()) leader_ = static_cast<Index>(i);
+  }
+  const Room room = findRoom(positions, motion_);
+  if (!(room.uncrossed > kLeastTolerance * edge_)) return false;
+  tolerance_ = room.uncrossed / std::sqrt(3.0);
+  if (room.apart > kLeastTolerance * edge_) apart_tolerance_ = room.apart / std::sqrt(3.0);
+  from_ = positions;
+  return true;
+}
+
+bool Clearance::isNear(const Points& positions, double tolerance) const {
+  const double way = motion_[leader_].squaredNorm();
+  const double done = way > 0.0 ? (positions[leader_] - from_[leader_]).dot(motion_[leader_]) / way : 0.0;
+  const double share = std::clamp(done, 0.0, 1.0);
+  const double *x = positions.data()->data(), *from = from_.data()->data(), *motion = motion_.data()->data();
+  return parallelMax(3 * static_cast<Index>(positions.size()), kNumberBlock, [&](Index begin, Index end) {
+           return areNear(end - begin, share, tolerance, x + begin, from + begin, motion + begin) ? 0.0 : 1.0;
+         }) == 0.0;
+}
+
+}  // namespace deformable_surface::contact

@@ -1,0 +1,193 @@
+// What is proven to stay apart stays apart.
+#include "deformable_surface/contact/clearance.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "../support/crossings.h"
+#include "folded_sheets.h"
+
+namespace deformable_surface::contact {
+namespace {
+
+constexpr double kDistance = 0.002;
+
+// The least distance of primitives without a common vertex, by comparison of all pairs.
+double findLeast(const std::vector<Triangle>& triangles, const Points& positions) {
+  std::set<std::array<Index, 2>> edges;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Triangle& t : triangles) {
+    for (int k = 0; k < 3; ++k) edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+    for (Index v = 0; v < static_cast<Index>(positions.size()); ++v)
+      if (std::find(t.begin(), t.end(), v) == t.end())
+        least =
+            std::min(least, findClosestToTriangle(positions[v], positions[t[0]], positions[t[1]], positions[t[2]]).gap.norm());
+  }
+  for (const auto& [a, b] : edges)
+    for (const auto& [c, d] : edges)
+      if (a < c && b != c && b != d)
+        least = std::min(least, findClosestOfEdges(positions[a], positions[b], positions[c], positions[d]).gap.norm());
+  return least;
+}
+
+Points move(const Points& positions, const Points& velocities, double time) {
+  Points moved = positions;
+  for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += time * velocities[i];
+  return moved;
+}
+
+Points still(std::size_t n) { return Points(n, Vec3::Zero()); }
+
+// A sheet of 0.1 m rolled to an arc of this angle, rad.
+Points roll(const Points& flat, double angle) {
+  Points rolled = flat;
+  for (Vec3& p : rolled) {
+    const double radius = 0.1 / angle, at = p.x() / radius;
+    p = Vec3((radius - p.z()) * std::sin(at), p.y(), radius - (radius - p.z()) * std::cos(at));
+  }
+  return rolled;
+}
+
+// Holes, notches at the boundary and corners that are cut off.
+std::vector<Triangle> dropSome(const std::vector<Triangle>& triangles, std::mt19937& generator, Index n) {
+  std::vector<Triangle> kept;
+  std::vector<char> is_used(n, 0);
+  for (const Triangle& t : triangles)
+    if (generator() % 12 != 0) kept.push_back(t);
+  for (const Triangle& t : kept)
+    for (const Index v : t) is_used[v] = 1;
+  return std::count(is_used.begin(), is_used.end(), char{0}) > 0 ? triangles : kept;
+}
+
+TEST(Clearance, IsRightForAnyMotion) {
+  std::mt19937 generator(7);
+  const auto between = [&](double low, double high) { return low + 0.5 * (high - low) * (1.0 + test::uniform(generator)); };
+  int num_proven = 0, num_apart = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const int side = 3 + generator() % 4;
+    const test::Sheets sheet = test::makeSheets(1, side, 0.0, between(0.0, 0.2) * 0.1 / (side - 1), trial);
+    const Index n = static_cast<Index>(sheet.points.size());
+    const std::vector<Triangle> triangles = trial % 2 ? dropSome(sheet.triangles, generator, n) : sheet.triangles;
+    Clearance clearance(sheet.points, triangles, kDistance);
+    // Bends, shears, waves and noise.
+    Points positions = roll(sheet.points, between(0.01, 4.0));
+    const double wave = between(0.0, 0.015), noise = between(0.0, 0.25) * 0.1 / (side - 1);
+    for (Vec3& p : positions) {
+      p += Vec3(between(0.0, 1.0) * p.y(), 0.0, wave * std::sin(60.0 * p.y())) + noise * test::randomVector(generator);
+      p = test::someRotation() * p;
+    }
+    Points velocities = still(n);
+    const double speed = between(0.0, 0.01);
+    const Vec3 spin = 0.3 * test::randomVector(generator);
+    for (Index i = 0; i < n; ++i) velocities[i] = spin.cross(positions[i]) + speed * test::randomVector(generator);
+    if (!clearance.prove(positions, velocities, 1.0)) continue;
+    ++num_proven;
+    num_apart += clearance.isApart();
+    for (int look = 0; look < 12; ++look) {
+      // The corners of the tolerance are the worst places.
+      const Points predicted = move(positions, velocities, look / 11.0);
+      Points aside = predicted, shifted = predicted;
+      double size = 0.01;
+      const auto shift = [&] {
+        shifted = aside;
+        for (Index i = 0; i < n; ++i) shifted[i] = predicted[i] + size * (aside[i] - predicted[i]);
+      };
+      for (Index i = 0; i < n; ++i)
+        for (int k = 0; k < 3; ++k) aside[i][k] += generator() % 2 ? 1.0 : -1.0;
+      for (shift(); !clearance.staysUncrossed(shifted, predicted) && size > 1e-9; shift()) size *= 0.95;
+      if (size > 1e-9) {
+        EXPECT_TRUE(test::findCrossings(shifted, triangles).empty()) << trial;
+      }
+      if (!clearance.isApart()) continue;
+      EXPECT_GT(findLeast(triangles, predicted), kDistance) << trial;
+      for (; !clearance.isApartAt(shifted) && size > 1e-9; shift()) size *= 0.95;
+      if (size > 1e-9) {
+        EXPECT_GT(findLeast(triangles, shifted), kDistance) << trial;
+      }
+    }
+  }
+  EXPECT_GT(num_proven, 300);
+  EXPECT_GT(num_apart, 150);
+  EXPECT_LT(num_proven, 1200);
+}
+
+TEST(Clearance, HoldsUntilTheSurfaceIsUprightSomewhere) {
+  const test::Sheets sheet = test::makeSheets(1, 16, 0.0, 0.0);
+  Clearance clearance(sheet.points, sheet.triangles, kDistance);
+  const Points at_rest = still(sheet.points.size());
+  EXPECT_TRUE(clearance.prove(roll(sheet.points, 2.0), at_rest, 0.0));
+  EXPECT_TRUE(clearance.isApart());
+  // The altitude of the outermost triangles, seen from above, is that at rest times cos(1.4) = 0.17: less than the distance.
+  EXPECT_TRUE(clearance.prove(roll(sheet.points, 2.8), at_rest, 0.0));
+  EXPECT_FALSE(clearance.isApart());
+  EXPECT_FALSE(clearance.prove(roll(sheet.points, 3.5), at_rest, 0.0));
+}
+
+TEST(Clearance, KnowsHowLongItHolds) {
+  const test::Sheets sheet = test::makeSheets(1, 8, 0.0, 0.0);
+  Clearance clearance(sheet.points, sheet.triangles, kDistance);
+  Points velocities = still(sheet.points.size());
+  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[i] = Vec3(0.0, 5.0, -20.0 * sheet.points[i].x());
+  ASSERT_TRUE(clearance.prove(sheet.points, velocities, 0.01));
+  EXPECT_TRUE(clearance.staysUncrossed(sheet.points, move(sheet.points, velocities, 0.005)));
+  EXPECT_TRUE(clearance.isApartAt(move(sheet.points, velocities, 0.01)));
+  EXPECT_FALSE(clearance.isApartAt(move(sheet.points, velocities, 0.02)));
+  Points one = move(sheet.points, velocities, 0.005);
+  one[20].z() += 0.01;
+  EXPECT_FALSE(clearance.staysUncrossed(sheet.points, one));
+  EXPECT_FALSE(clearance.staysUncrossed(one, sheet.points));
+  one[20].z() = std::nan("");
+  EXPECT_FALSE(clearance.staysUncrossed(sheet.points, one));
+  clearance.forget();
+  EXPECT_FALSE(clearance.isApart());
+  EXPECT_FALSE(clearance.staysUncrossed(sheet.points, sheet.points));
+}
+
+TEST(Clearance, DoesNotTakeARampForASheet) {
+  // A spiral ramp of one and a quarter turns: all of it faces up, but its ends lie over each other.
+  Points points;
+  std::vector<Triangle> triangles;
+  constexpr Index kAlong = 31;
+  for (Index i = 0; i < kAlong; ++i)
+    for (const double radius : {0.05, 0.1}) {
+      const double angle = 2.5 * M_PI * i / (kAlong - 1);
+      points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.001 * angle);
+    }
+  for (Index i = 0; i + 1 < kAlong; ++i) {
+    triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
+    triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+  }
+  EXPECT_FALSE(Clearance(points, triangles, kDistance).prove(points, still(points.size()), 0.0));
+}
+
+TEST(Clearance, KeepsPartsApart) {
+  const test::Sheets sheets = test::makeSheets(2, 6, 0.01, 0.0);
+  Clearance clearance(sheets.points, sheets.triangles, kDistance);
+  Points velocities = still(sheets.points.size());
+  EXPECT_TRUE(clearance.prove(sheets.points, velocities, 0.0));
+  EXPECT_TRUE(clearance.isApart());
+  for (std::size_t i = 0; i < 36; ++i) velocities[i] = Vec3(0.0, 0.0, 1.0);
+  EXPECT_TRUE(clearance.prove(sheets.points, velocities, 0.009));
+  EXPECT_FALSE(clearance.isApart());
+  EXPECT_FALSE(clearance.prove(sheets.points, velocities, 0.011));
+}
+
+TEST(Clearance, NeedsTrianglesAndABoundary) {
+  test::Sheets sheet = test::makeSheets(1, 4, 0.0, 0.0);
+  sheet.points.emplace_back(0.5, 0.5, 0.5);  // in no triangle
+  EXPECT_FALSE(Clearance(sheet.points, sheet.triangles, kDistance).prove(sheet.points, still(17), 0.0));
+  const Points corners{{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.0, 0.1, 0.0}, {0.0, 0.0, 0.1}};
+  const std::vector<Triangle> closed{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  EXPECT_FALSE(Clearance(corners, closed, kDistance).prove(corners, still(4), 0.0));
+  // Two triangles with one corner in common.
+  const Points bow{{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.1, 0.1, 0.0}, {-0.1, 0.0, 0.0}, {-0.1, -0.1, 0.0}};
+  EXPECT_FALSE(Clearance(bow, {{0, 1, 2}, {0, 3, 4}}, kDistance).prove(bow, still(5), 0.0));
+  EXPECT_FALSE(Clearance({}, {}, kDistance).prove({}, {}, 0.0));
+}
+
+}  // namespace
+}  // namespace deformable_surface::contact
