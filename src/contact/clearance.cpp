@@ -8,8 +8,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numeric>
 #include <utility>
 
 namespace deformable_surface::contact {
@@ -101,79 +99,18 @@ void Clearance::Room::restrict(const Room& other) {
   apart = apart <= other.apart ? apart : other.apart;
 }
 
-Clearance::Clearance(const Points& rest, const std::vector<Triangle>& triangles, double distance) : distance_(distance) {
-  const Index n = static_cast<Index>(rest.size());
-  // Parts by their first points.
-  std::vector<Index> root(n);
-  std::iota(root.begin(), root.end(), Index{0});
-  const auto find = [&](Index i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  std::vector<char> has_triangle(n, 0);
+Clearance::Clearance(const Points& rest, const std::vector<Triangle>& triangles, double distance)
+    : distance_(distance), outlines_(findOutlines(rest, triangles)) {
+  if (outlines_.numParts() == 0) return;
   std::vector<double> lengths;
-  std::map<std::pair<Index, Index>, bool> edges;
   for (const Triangle& t : triangles)
-    for (int k = 0; k < 3; ++k) {
-      const Index a = find(t[k]), b = find(t[(k + 1) % 3]);
-      root[std::max(a, b)] = std::min(a, b);
-      has_triangle[t[k]] = 1;
-      lengths.push_back((rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
-      edges[{t[k], t[(k + 1) % 3]}] = true;
-    }
-  if (std::count(has_triangle.begin(), has_triangle.end(), char{0}) > 0 || triangles.empty()) {
-    is_possible_ = false;
-    return;
-  }
+    for (int k = 0; k < 3; ++k) lengths.push_back((rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
   edge_ = findMedian(std::move(lengths));
-  std::map<Index, Index> next;  // along the boundary
-  for (const auto& [edge, exists] : edges)
-    if (edges.count({edge.second, edge.first}) == 0) is_possible_ = next.insert(edge).second && is_possible_;
-  std::vector<std::vector<Index>> loops;
-  while (is_possible_ && !next.empty()) {
-    loops.emplace_back();
-    for (auto at = next.begin(); at != next.end(); at = next.find(loops.back().back())) {
-      loops.back().push_back(at->second);
-      next.erase(at);
-    }
-  }
-  if (!is_possible_) return;
-
-  for (Index i = 0; i < n; ++i) {
-    if (find(i) != i) continue;
-    parts_.push_back(
-        {static_cast<Index>(points_.size()), static_cast<Index>(triangles_.size()), static_cast<Index>(loops_.size())});
-    for (Index j = i; j < n; ++j)
-      if (find(j) == i) points_.push_back(j);
-    for (const Triangle& t : triangles)
-      if (find(t[0]) == i) triangles_.push_back(t);
-    Vec3 whole = Vec3::Zero();
-    std::vector<Vec3> areas;
-    for (const std::vector<Index>& loop : loops) {
-      if (find(loop[0]) != i) continue;
-      Vec3 area = Vec3::Zero();
-      for (std::size_t k = 0; k < loop.size(); ++k)
-        area += (rest[loop[k]] - rest[loop[0]]).cross(rest[loop[(k + 1) % loop.size()]] - rest[loop[0]]);
-      areas.push_back(area);
-      whole += area;
-      loops_.push_back({static_cast<Index>(loop_points_.size()), true});
-      loop_points_.insert(loop_points_.end(), loop.begin(), loop.end());
-    }
-    if (areas.empty()) {
-      is_possible_ = false;  // closed
-      return;
-    }
-    const auto largest =
-        std::max_element(areas.begin(), areas.end(), [&](const Vec3& a, const Vec3& b) { return a.dot(whole) < b.dot(whole); });
-    loops_[parts_.back().first_loop + (largest - areas.begin())].is_hole = false;
-  }
-  parts_.push_back({n, static_cast<Index>(triangles_.size()), static_cast<Index>(loops_.size())});
-  loops_.push_back({static_cast<Index>(loop_points_.size()), false});
-  flat_.resize(n);
-  rooms_.resize((triangles_.size() - 1) / kBlock + 1);
-  boxes_.resize(parts_.size() - 1);
-  from_.resize(n);
-  motion_.resize(n);
+  flat_.resize(rest.size());
+  rooms_.resize((outlines_.triangles.size() - 1) / kBlock + 1);
+  boxes_.resize(outlines_.numParts());
+  from_.resize(rest.size());
+  motion_.resize(rest.size());
 }
 
 // Each point within d of its prediction changes an area by at most 2 d (|a| + |b|) + 4 d^2, a length by at most 2 d.
@@ -185,11 +122,14 @@ Clearance::Room Clearance::roomOf(double twice_area, double length, double arms)
 }
 
 // The normal of the surface's mean, half-way through the motion: by the theorem of Stokes it follows from the boundary.
-Vec3 Clearance::findDirection(const Part& part, const Part& next, const Points& positions, const Points& motion) const {
+Vec3 Clearance::findDirection(const Outlines::Part& part, const Outlines::Part& next, const Points& positions,
+                              const Points& motion) const {
   Vec3 sum = Vec3::Zero();
   for (Index l = part.first_loop; l < next.first_loop; ++l) {
-    const Index first = loops_[l].first, end = loops_[l + 1].first;
-    const auto place = [&](Index k) -> Vec3 { return positions[loop_points_[k]] + 0.5 * motion[loop_points_[k]]; };
+    const Index first = outlines_.loops[l].first, end = outlines_.loops[l + 1].first;
+    const auto place = [&](Index k) -> Vec3 {
+      return positions[outlines_.loop_points[k]] + 0.5 * motion[outlines_.loop_points[k]];
+    };
     const Vec3 origin = place(first);
     Vec3 p = place(end - 1) - origin;
     for (Index k = first; k < end; ++k) {
@@ -201,13 +141,13 @@ Vec3 Clearance::findDirection(const Part& part, const Part& next, const Points& 
   return sum.normalized();
 }
 
-void Clearance::project(const Part& part, const Part& next, const Vec3& direction, const Points& positions,
+void Clearance::project(const Outlines::Part& part, const Outlines::Part& next, const Vec3& direction, const Points& positions,
                         const Points& motion) {
   const Vec3 across = direction.unitOrthogonal(), other = direction.cross(across);
-  const Vec3 origin = positions[points_[part.first_point]];
+  const Vec3 origin = positions[outlines_.points[part.first_point]];
   parallelFor(next.first_point - part.first_point, kBlock, [&](Index begin, Index end) {
     for (Index k = part.first_point + begin; k < part.first_point + end; ++k) {
-      const Index i = points_[k];
+      const Index i = outlines_.points[k];
       const Vec3 place = positions[i] - origin;
       const double u = across.dot(place), v = other.dot(place);
       flat_[i] = {u, v, u + across.dot(motion[i]), v + other.dot(motion[i])};
@@ -220,26 +160,31 @@ Clearance::Room Clearance::checkTriangles(Index begin, Index end) const {
   const double* const flat = &flat_.data()->u;
   const double most = kMostTolerance * edge_;
   const Index whole = (end - begin) / 4 * 4;
-  findRooms(whole, &triangles_[begin], flat, distance_, most, room.uncrossed, room.apart);
+  findRooms(whole, &outlines_.triangles[begin], flat, distance_, most, room.uncrossed, room.apart);
   if (begin + whole == end) return room;
   std::array<Triangle, 4> others;
-  others.fill(triangles_[end - 1]);
-  std::copy(triangles_.begin() + begin + whole, triangles_.begin() + end, others.begin());
+  others.fill(outlines_.triangles[end - 1]);
+  std::copy(outlines_.triangles.begin() + begin + whole, outlines_.triangles.begin() + end, others.begin());
   Room other{kFar, kFar};
   findRooms(4, others.data(), flat, distance_, most, other.uncrossed, other.apart);
   room.restrict(other);
   return room;
 }
 
-Clearance::Room Clearance::checkLoop(const Loop& loop, Index end) const {
+Clearance::Room Clearance::checkLoop(const Outlines::Loop& loop, Index end) const {
   Flat middle{0.0, 0.0, 0.0, 0.0};
   for (Index k = loop.first; k < end; ++k) {
-    const Flat& p = flat_[loop_points_[k]];
+    const Flat& p = flat_[outlines_.loop_points[k]];
     middle = {middle.u + p.u, middle.v + p.v, middle.u_end + p.u_end, middle.v_end + p.v_end};
   }
-  const double share = 1.0 / static_cast<double>(end - loop.first), sense = loop.is_hole ? -1.0 : 1.0;
+  double share = 1.0 / static_cast<double>(end - loop.first);
+  const double sense = loop.is_hole ? -1.0 : 1.0;
+  if (loop.middle >= 0) {
+    middle = flat_[loop.middle];
+    share = 1.0;
+  }
   const auto arm = [&](Index k) -> Flat {
-    const Flat& p = flat_[loop_points_[k]];
+    const Flat& p = flat_[outlines_.loop_points[k]];
     return {p.u - share * middle.u, p.v - share * middle.v, p.u_end - share * middle.u_end, p.v_end - share * middle.v_end};
   };
   const auto lengthOf = [](const Flat& p) { return std::sqrt(largestSquare(p.u, p.v, p.u_end, p.v_end)); };
@@ -252,7 +197,9 @@ Clearance::Room Clearance::checkLoop(const Loop& loop, Index end) const {
     const double q_length = lengthOf(q);
     const double twice = sense > 0.0 ? leastArea(p.u, p.v, q.u, q.v, p.u_end, p.v_end, q.u_end, q.v_end)
                                      : leastArea(q.u, q.v, p.u, p.v, q.u_end, q.v_end, p.u_end, p.v_end);
-    room.restrict(roomOf(twice, std::max(p_length, q_length), p_length + q_length));
+    // A point in the middle must also stay away from the edge, which is no longer than both arms.
+    const double base = loop.middle >= 0 ? p_length + q_length : std::max(p_length, q_length);
+    room.restrict(roomOf(twice, base, p_length + q_length));
     if ((p.v < 0.0) != (q.v < 0.0)) ++changes;
     p = q;
     p_length = q_length;
@@ -264,9 +211,9 @@ Clearance::Room Clearance::checkParts(const Points& positions, const Points& mot
   const std::size_t num = boxes_.size();
   for (std::size_t p = 0; p < num; ++p) {
     boxes_[p].setEmpty();
-    for (Index k = parts_[p].first_point; k < parts_[p + 1].first_point; ++k) {
-      boxes_[p].extend(positions[points_[k]]);
-      boxes_[p].extend(positions[points_[k]] + motion[points_[k]]);
+    for (Index k = outlines_.parts[p].first_point; k < outlines_.parts[p + 1].first_point; ++k) {
+      boxes_[p].extend(positions[outlines_.points[k]]);
+      boxes_[p].extend(positions[outlines_.points[k]] + motion[outlines_.points[k]]);
     }
   }
   Room room{kFar, kFar};
@@ -280,12 +227,12 @@ Clearance::Room Clearance::checkParts(const Points& positions, const Points& mot
 
 Clearance::Room Clearance::findRoom(const Points& positions, const Points& motion) {
   Room room{kMostTolerance * edge_, kMostTolerance * edge_};
-  if (parts_.size() > 2) room.restrict(checkParts(positions, motion));
-  for (std::size_t p = 0; p + 1 < parts_.size() && room.isLeft(); ++p) {
-    const Part &part = parts_[p], &next = parts_[p + 1];
+  if (outlines_.numParts() > 1) room.restrict(checkParts(positions, motion));
+  for (Index p = 0; p < outlines_.numParts() && room.isLeft(); ++p) {
+    const Outlines::Part &part = outlines_.parts[p], &next = outlines_.parts[p + 1];
     project(part, next, findDirection(part, next, positions, motion), positions, motion);
     for (Index l = part.first_loop; l < next.first_loop && room.isLeft(); ++l)
-      room.restrict(checkLoop(loops_[l], loops_[l + 1].first));
+      room.restrict(checkLoop(outlines_.loops[l], outlines_.loops[l + 1].first));
     if (!room.isLeft()) break;
     parallelFor(next.first_triangle - part.first_triangle, kBlock, [&](Index begin, Index end) {
       rooms_[begin / kBlock] = checkTriangles(part.first_triangle + begin, part.first_triangle + end);
@@ -298,7 +245,7 @@ Clearance::Room Clearance::findRoom(const Points& positions, const Points& motio
 
 bool Clearance::prove(const Points& positions, const Points& velocities, double time) {
   forget();
-  if (!is_possible_) return false;
+  if (outlines_.numParts() == 0) return false;
   leader_ = 0;
   for (std::size_t i = 0; i < motion_.size(); ++i) {
     motion_[i] = time * velocities[i];

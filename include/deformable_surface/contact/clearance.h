@@ -1,6 +1,7 @@
 // A cheap proof that a moving surface does not pass through itself: seen from one direction, nothing lies over anything.
 #pragma once
 
+#include "deformable_surface/contact/outlines.h"
 #include "deformable_surface/contact/pair_list.h"
 
 #include <vector>
@@ -32,13 +33,6 @@ class Clearance {
   }
 
  private:
-  struct Loop {
-    Index first;  // in loop_points_
-    bool is_hole;
-  };
-  struct Part {
-    Index first_point, first_triangle, first_loop;  // the ranges end where those of the next part begin
-  };
   // A point in the plane at the beginning and the end of the motion, m.
   struct Flat {
     double u, v, u_end, v_end;
@@ -52,23 +46,19 @@ class Clearance {
   };
 
   Room findRoom(const Points& positions, const Points& motion);
-  Vec3 findDirection(const Part& part, const Part& next, const Points& positions, const Points& motion) const;
-  void project(const Part& part, const Part& next, const Vec3& direction, const Points& positions, const Points& motion);
+  Vec3 findDirection(const Outlines::Part& part, const Outlines::Part& next, const Points& positions, const Points& motion) const;
+  void project(const Outlines::Part& part, const Outlines::Part& next, const Vec3& direction, const Points& positions,
+               const Points& motion);
   Room checkTriangles(Index begin, Index end) const;
-  Room checkLoop(const Loop& loop, Index end) const;
+  Room checkLoop(const Outlines::Loop& loop, Index end) const;
   Room checkTurns(const Flat& p, const Flat& q, double p_length, double q_length, double sense) const;
   Room checkParts(const Points& positions, const Points& motion);
   Room roomOf(double twice_area, double length, double arms) const;
   bool isNear(const Points& positions, double tolerance) const;
 
   const double distance_;
-  double edge_ = 0.0;                                 // m, median at rest
-  bool is_possible_ = true;                           // false: some point has no triangle, or some loop passes a point twice
-  std::vector<Part> parts_;                           // and one more
-  std::vector<Index> points_;                         // by part
-  std::vector<Triangle> triangles_;                   // by part
-  std::vector<Loop> loops_;                           // by part, and one more
-  std::vector<Index> loop_points_;                    // with the surface on the left
+  double edge_ = 0.0;  // m, median at rest
+  Outlines outlines_;
   std::vector<Flat> flat_;                            // (n)
   std::vector<Room> rooms_;                           // of blocks of triangles
   std::vector<Box> boxes_;                            // of the parts
