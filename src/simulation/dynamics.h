@@ -121,6 +121,8 @@ class Dynamics {
   std::uint64_t stepCount() const { return steps_; }
   const model::State& state() const { return now_.points; }
   /// Of all bits of the state, and of cuts that it does not hold.
+  /// See Simulation.
+  double energyExcess() const { return lastMarch().memory().energy.excess; }
   std::uint64_t stateHash() const;
   const std::vector<char>& pinned() const { return now_.pinned; }
   const std::vector<char>& held() const { return held_; }  // (n) pinned, gripped or held by the evolution

@@ -208,6 +208,7 @@ std::uint64_t Simulation::revision() const { return dynamics().revision(); }
 std::uint64_t Simulation::surfaceRevision() const { return impl_->surface.revision(); }
 const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }
 Statistics Simulation::statistics() const { return impl_->measure(); }
+double Simulation::energyExcess() const { return dynamics().energyExcess(); }
 std::uint64_t Simulation::stateHash() const { return dynamics().stateHash(); }
 const model::State& Simulation::state() const { return dynamics().state(); }
 const model::DeformableModel& Simulation::model() const { return dynamics().model(); }

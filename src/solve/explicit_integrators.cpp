@@ -25,27 +25,9 @@ bool allFinite(const State& state) {
 }
 
 // Points that are stopped short keep the velocity of their remaining motion: a plastic impact. Held points keep theirs.
-const std::vector<Index>& stopShort(const MotionLimit& limit, const System& system, const Points& before, double dt,
-                                    State& state) {
-  const std::vector<Index>& stopped = limit.limit(before, state.positions);
-  for (const Index i : stopped)
+void stopShort(const MotionLimit& limit, const System& system, const Points& before, double dt, State& state) {
+  for (const Index i : limit.limit(before, state.positions))
     if (!system.isHeld(i)) state.velocities[i] = (state.positions[i] - before[i]) / dt;
-  return stopped;
-}
-
-// J, energy given to the free points by collisions with held points in motion; other collisions only lose energy. wanted (n x 3)
-// m: positions without the limit.
-double findCollisionWork(const System& system, const Points& before, const Points& wanted, double dt,
-                         const std::vector<Index>& stopped, const Points& after) {
-  double work = 0.0;
-  bool has_held = false;
-  for (const Index i : stopped) {
-    has_held = has_held || system.isHeld(i);
-    if (!system.isHeld(i))
-      work +=
-          0.5 * system.masses()[i] / (dt * dt) * ((after[i] - before[i]).squaredNorm() - (wanted[i] - before[i]).squaredNorm());
-  }
-  return has_held ? std::max(0.0, work) : 0.0;
 }
 
 }  // namespace
@@ -210,7 +192,7 @@ void VelocityVerlet::prepare(const System& system, double dt, const State& state
   mass_.resize(system.damping() > 0.0 ? 3 * n : 0);
   for (Index k = 0; k < static_cast<Index>(mass_.size()); ++k) mass_[k] = system.isHeld(k / 3) ? 0.0 : masses[k / 3];
   carried_.clear();
-  carrying_work_ = 0.0;
+  carrying_work_ = stopping_work_ = 0.0;
   for (Index i = 0; i < n; ++i)
     if (system.isHeld(i) && !state.velocities[i].isZero(0.0))
       carried_.push_back({i, state.velocities[i], state.positions[i], Vec3::Zero(), state.positions[i], Vec3::Zero()});
@@ -300,7 +282,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       state.positions[c.point] = Eigen::Map<const Vec3>(from + 3 * c.point) + dt * c.velocity;
       predicted_.velocities[c.point] = c.velocity;
     }
-    if (limit) stopped = &limitMotion(system, *limit, dt, state);
+    if (limit) stopped = &limitMotion(system, *limit, dt, s == 0, force, state);
     // Forces at the new place.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
@@ -321,9 +303,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
                            kineticEnergy(mass_, 1.0, kick_, ends ? forces_with_slow_ : forces_, state.velocities);
   }
   kick(3 * n, half_decay, kick_.data(), (has_slow ? forces_with_slow_ : forces_).data()->data(), velocity);
-  // What stops a point also bears the force on it: the last half kick would give it a wrong velocity.
-  if (stopped)
-    for (const Index i : *stopped) state.velocities[i] = (state.positions[i] - before_[i]) / dt;
+  if (stopped && !stopped->empty()) bearLastKick(system, dt, *stopped, has_slow ? forces_with_slow_ : forces_, state);
   for (const Carried& c : carried_) state.velocities[c.point] = c.velocity;
   report.carrying_work = carrying_work_;
   state.friction.swap(predicted_.friction);
@@ -333,14 +313,68 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   return report;
 }
 
-// Stops points short after a drift from before_. Returns those that were stopped.
-const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, const MotionLimit& limit, double dt, State& state) {
-  if (!carried_.empty()) wanted_ = state.positions;
-  const std::vector<Index>& stopped = stopShort(limit, system, before_, dt, state);
-  if (!carried_.empty()) carrying_work_ += findCollisionWork(system, before_, wanted_, dt, stopped, state.positions);
+// Stops points short after a drift from before_. Returns those that were stopped. force (3 n) N: of the kick before the drift.
+//
+// Stopping changes momentum by J = m (u' - v): v is the velocity of the drift that was wanted, u' that of the drift that remains.
+// Verlet keeps its energy because the work of a force over two drifts, with velocities u and u', is that of its kick between
+// them: F dt (u + u') / 2. So J does the work J (u + u') / 2. Though a collision loses kinetic energy against v, this work is
+// positive where the kick has reversed the motion: u then points along J. The first drift of a step follows a state whose energy
+// is counted at its own velocity v0: there the work is J u' - m |u' - v0|^2 / 2, never positive without held points.
+const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, const MotionLimit& limit, double dt, bool is_first,
+                                                      const double* force, State& state) {
+  const std::vector<Index>& stopped = limit.limit(before_, state.positions);
+  if (stopped.empty()) return stopped;
+  double work = 0.0;
+  for (const Index i : stopped) {
+    if (system.isHeld(i)) continue;
+    const Vec3 wanted = state.velocities[i], now = (state.positions[i] - before_[i]) / dt,
+               kick = kick_[3 * i] * Eigen::Map<const Vec3>(force + 3 * i);
+    work += system.masses()[i] * (is_first ? now.dot(now - wanted) - 0.5 * (now - wanted + kick).squaredNorm()
+                                           : 0.5 * (now - wanted).dot(now + wanted - 2.0 * kick));
+    state.velocities[i] = now;
+  }
+  // What carries held points makes up for the momentum that they give.
+  double carried = 0.0;
+  for (const Carried& c : carried_) {
+    const Vec3 now = (state.positions[c.point] - before_[c.point]) / dt;
+    carried += system.masses()[c.point] * (c.velocity - now).dot(now);
+  }
+  carrying_work_ += carried;
+  stopping_work_ += work - carried;
+  removeStoppingWork(system, state);
   for (const Index i : stopped)
     if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
   return stopped;
+}
+
+// Takes the energy that stopping has made since the step began from the motion relative to the mean, which keeps momentum. Places
+// stay as they are.
+void VelocityVerlet::removeStoppingWork(const System& system, State& state) {
+  if (!(stopping_work_ > 0.0)) return;
+  Vec3 mean = Vec3::Zero();
+  double mass = 0.0, energy = 0.0;
+  for (Index i = 0; i < state.size(); ++i) {
+    if (system.isHeld(i)) continue;
+    mean += system.masses()[i] * state.velocities[i];
+    mass += system.masses()[i];
+  }
+  mean /= mass;
+  for (Index i = 0; i < state.size(); ++i)
+    if (!system.isHeld(i)) energy += 0.5 * system.masses()[i] * (state.velocities[i] - mean).squaredNorm();
+  const double scale = energy > stopping_work_ ? std::sqrt(1.0 - stopping_work_ / energy) : 0.0;
+  for (Index i = 0; i < state.size(); ++i)
+    if (!system.isHeld(i)) state.velocities[i] = mean + scale * (state.velocities[i] - mean);
+  stopping_work_ = std::max(0.0, stopping_work_ - energy);
+}
+
+// What stops a point at the end of a step also bears the force on it: the last half kick would give it a wrong velocity.
+void VelocityVerlet::bearLastKick(const System& system, double dt, const std::vector<Index>& stopped, const Points& forces,
+                                  State& state) {
+  for (const Index i : stopped) {
+    state.velocities[i] = (state.positions[i] - before_[i]) / dt;
+    stopping_work_ -= system.masses()[i] * kick_[3 * i] * forces[i].dot(state.velocities[i]);  // no kick on held points
+  }
+  removeStoppingWork(system, state);
 }
 
 }  // namespace deformable_surface::solve

@@ -47,7 +47,10 @@ class VelocityVerlet : public Integrator {
   void addLoads(const System& system, double time, const State& state);
   void bearSlow(const Points& positions);
   void addSlow(Index inner);
-  const std::vector<Index>& limitMotion(const System& system, const MotionLimit& limit, double dt, State& state);
+  const std::vector<Index>& limitMotion(const System& system, const MotionLimit& limit, double dt, bool is_first,
+                                        const double* force, State& state);
+  void removeStoppingWork(const System& system, State& state);
+  void bearLastKick(const System& system, double dt, const std::vector<Index>& stopped, const Points& forces, State& state);
 
   double max_slow_step_ = 0.0;
   Index most_inner_ = 1;
@@ -60,9 +63,10 @@ class VelocityVerlet : public Integrator {
     Vec3 place, force;      // m and N, at the end of a sub-step, slow forces left out
     Vec3 slow_place, slow;  // m and N, where slow forces acted last
   };
-  std::vector<Carried> carried_;      // held points in motion
-  double carrying_work_ = 0.0;        // J, of what carries them in the step
-  Points before_, wanted_;            // m, at the beginning of a sub-step and at its end without a limit, where motion is limited
+  std::vector<Carried> carried_;  // held points in motion
+  double carrying_work_ = 0.0;    // J, of what carries them in the step
+  double stopping_work_ = 0.0;    // J, that limits of motion have done in the step and that has not been removed; negative: taken
+  Points before_, wanted_;        // m, at the beginning of a sub-step; m/s, of its drift without a limit
   std::vector<double> kick_, drift_;  // (3 n) dt / 2 over mass, and dt; zero on held points
   std::vector<double> mass_;          // (3 n) kg, zero on held points; empty without damping
 };

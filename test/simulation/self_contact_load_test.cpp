@@ -99,6 +99,24 @@ TEST(SelfContactLoad, ImplicitStepsDoNotCrossEither) {
   EXPECT_GT(seen.touched, 2);
 }
 
+// A sleeve that is forced through its own end. Before stopping was entered in the energy account with its own work, a quarter of
+// the energy stored there came from nothing in both.
+TEST(SelfContactLoad, JamsMakeNoEnergy) {
+  for (const std::uint32_t seed : {2u, 4u}) {
+    ContactSceneMaker maker(seed, 10);
+    ContactScene scene = maker.sleeve();
+    scene.params.contact.friction = 0.3;
+    Simulation s(scene.params, scene.cloud);
+    double stored = 0.0, excess = 0.0;  // J
+    for (int step = 0; step < 240; ++step) {
+      ASSERT_TRUE(s.step().ok);
+      stored = std::max(stored, s.statistics().kinetic_energy + s.statistics().elastic_energy);
+      excess = std::max(excess, s.energyExcess());
+    }
+    EXPECT_LT(excess, 0.01 * stored) << seed;
+  }
+}
+
 TEST(SelfContactLoad, ARunFromASnapshotAndAForkAreTheSame) {
   ContactScene scene = makeScene("fold", 1, 1.0);
   scene.params.contact.friction = 0.3;

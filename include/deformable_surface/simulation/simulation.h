@@ -171,6 +171,9 @@ class Simulation {
   /// The full surface now. normals are computed if wanted and params.output.normals.
   const Surface& surface(bool with_normals);
   Statistics statistics() const;
+  /// J, by which kinetic, elastic and load energy have grown since their lowest sum beyond the work put in: the method's own
+  /// oscillation, if nothing makes energy. The account begins anew with each command and when contact sets in or ends.
+  double energyExcess() const;
   std::uint64_t stateHash() const;
 
   // For display and simulation_points output.
