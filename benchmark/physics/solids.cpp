@@ -1,4 +1,4 @@
-// Elastic solids in space: a bar that sinks under its weight, and a ball pressed into a layer.
+// Elastic solids in space: a bar that sinks under its weight, and balls pressed into layers.
 #include "deformable_surface/simulation/simulation.h"
 #include "problem.h"
 
@@ -101,8 +101,7 @@ Answer bendBar(const Variant& variant, double spacing) {
 
 /// F over that on a half-space, 4/3 E / (1 - nu^2) R^(1/2) d^(3/2) [Hertz 1881], of a layer of height h that is held below
 /// [dimitriadis2002, eq. 10 and 12]; x = (R d)^(1/2) / h.
-double correctForLayer(double x) {
-  const double nu = kPoisson;
+double correctForLayer(double x, double nu) {
   const double a = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
   const double b = (0.6387 - 1.0277 * nu + 1.5164 * nu * nu) / (1.0 - nu);
   return 1.0 - 2.0 * a / kPi * x + 4.0 * a * a / (kPi * kPi) * x * x -
@@ -110,33 +109,39 @@ double correctForLayer(double x) {
          16.0 * a / std::pow(kPi, 4) * (std::pow(a, 3) + 3.0 * kPi * kPi / 5.0 * b) * std::pow(x, 4);
 }
 
-/// A rigid ball pressed into a layer six times as wide as the contact's radius. Contact is a penalty, so that points lie in the
-/// ball by what it takes, in proportion to the pressure, (1 - r^2/a^2)^(1/2). By Betti's theorem a ball that is flatter by that
-/// presses as one that is less deep by the mean of it over the pressure of a flat punch, (a^2 - r^2)^(-1/2): half of what it is
-/// in the middle.
-Answer pressBall(const Variant& variant, double spacing) {
-  constexpr double kRadius = 0.8, kDepth = 0.005, kHalf = 0.2, kHeight = 0.12;
-  simulation::SceneParams scene = makeScene(60.0);  // of the layer's slowest motions about critical
-  scene.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(1.0, 1.0, 1e-9 - kHeight))};
+/// A rigid ball on a square layer. Lengths in m.
+struct Indentation {
+  double radius, depth;
+  double half, height;    // of the layer: half of its width
+  double young, poisson;  // young in Pa
+};
+
+/// The force in equilibrium. Nothing is subtracted for the depth of points in the ball.
+Answer pressBall(const Indentation& given, const Variant& variant, double spacing) {
+  simulation::SceneParams scene = makeScene(0.0);
+  scene.integrator.type = solve::IntegratorType::kStatic;
+  scene.integrator.time_step = 0.05;
+  scene.material.young_modulus = given.young;
+  scene.material.poisson_ratio = given.poisson;
+  scene.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(1.0, 1.0, 1e-9 - given.height))};
   tool::ToolParams ball;
   ball.id = "ball";
-  ball.shape.radius = kRadius;
+  ball.shape.radius = given.radius;
   tool::WaypointParams from, to;
-  from.position = Vec3(0.0, 0.0, kRadius);
-  to.position = Vec3(0.0, 0.0, kRadius - kDepth);
+  from.position = Vec3(0.0, 0.0, given.radius);
+  to.position = Vec3(0.0, 0.0, given.radius - given.depth);
   to.time = 0.1;
   ball.path = {from, to};
   scene.tools = {ball};
-  simulation::Simulation simulation(
-      scene, sampleBox(Vec3(-kHalf, -kHalf, -kHeight), Vec3(kHalf, kHalf, 0.0), spacing, variant.sampling));
-  step(simulation, 50);
-  const simulation::ToolReaction reaction = simulation.toolReactions().front();
-  const double depth = kDepth - 0.5 * reaction.penetration;
+  simulation::Simulation simulation(scene, sampleBox(Vec3(-given.half, -given.half, -given.height),
+                                                     Vec3(given.half, given.half, 0.0), spacing, variant.sampling));
+  step(simulation, 2);
   Answer answer;
   answer.points = simulation.state().size();
-  answer.value = reaction.force.z();
-  answer.reference = 4.0 / 3.0 * kYoung / (1.0 - kPoisson * kPoisson) * std::sqrt(kRadius) * std::pow(depth, 1.5) *
-                     correctForLayer(std::sqrt(kRadius * depth) / kHeight);
+  answer.value = simulation.toolReactions().front().force.z();
+  answer.reference = 4.0 / 3.0 * given.young / (1.0 - given.poisson * given.poisson) * std::sqrt(given.radius) *
+                     std::pow(given.depth, 1.5) *
+                     correctForLayer(std::sqrt(given.radius * given.depth) / given.height, given.poisson);
   answer.error = std::abs(answer.value / answer.reference - 1.0);
   return answer;
 }
@@ -163,9 +168,17 @@ std::vector<Problem> listSolids() {
   ball.source = "Hertz 1881; Dimitriadis et al. 2002 for the layer's height";
   ball.variants = variants;
   ball.sizes = {0.025, 0.02, 0.015, 0.01};
-  ball.run = pressBall;
-  bar.is_solid = ball.is_solid = true;
-  return {bar, ball};
+  ball.run = [](const Variant& variant, double spacing) {
+    return pressBall({0.8, 0.005, 0.2, 0.12, kYoung, kPoisson}, variant, spacing);
+  };
+  Problem finger = ball;  // soft tissue under a fingertip
+  finger.name = "solid palpated by a ball";
+  finger.sizes = {0.003, 0.002, 0.0015};
+  finger.run = [](const Variant& variant, double spacing) {
+    return pressBall({0.015, 0.002, 0.03, 0.03, 20e3, 0.45}, variant, spacing);
+  };
+  bar.is_solid = ball.is_solid = finger.is_solid = true;
+  return {bar, ball, finger};
 }
 
 }  // namespace deformable_surface::physics

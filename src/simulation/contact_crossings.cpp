@@ -136,6 +136,9 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     body.passed.swap(scratch_);
     any = any || !body.passed.empty();
   }
+  if (!grows_)
+    for (Body& body : bodies_) body.pressed.clear();
+  forgetTouches();
   return any || has_new_detour_;
 }
 
@@ -179,7 +182,10 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
 }
 
 void ContactLoad::reset() {
-  for (Body& body : bodies_) body.passed.clear();
+  for (Body& body : bodies_) {
+    body.passed.clear();
+    body.pressed.clear();
+  }
   forgetTouches();
   reported_.clear();
 }
@@ -199,6 +205,12 @@ void ContactLoad::renumber(const std::vector<Index>& new_index) {
       if (new_index[passed.point] >= 0) body.passed[kept++] = {new_index[passed.point], passed.entry};
     body.passed.resize(kept);
     std::sort(body.passed.begin(), body.passed.end(), [](const Passed& a, const Passed& b) { return a.point < b.point; });
+    if (points_.between()) body.pressed.clear();  // of parts, in motion: nothing grows
+    kept = 0;
+    for (const Pressed& pressed : body.pressed)
+      if (new_index[pressed.point] >= 0) body.pressed[kept++] = {new_index[pressed.point], pressed.growth};
+    body.pressed.resize(kept);
+    std::sort(body.pressed.begin(), body.pressed.end(), [](const Pressed& a, const Pressed& b) { return a.point < b.point; });
   }
 }
 

@@ -42,6 +42,8 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
   return !is_flat || between.height(cell) > kFlat * between.radius(cell);
 }
 
+constexpr double kSettled = 0.01;  // of the largest growth: depth that an equilibrium may leave
+
 constexpr Index kLook = 1024;  // points between two checks for an interrupt: milliseconds, also for tools of many triangles
 
 }  // namespace
@@ -58,6 +60,7 @@ void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
       body.acts = before.acts;
       if (!tool::isPushing(before.tool) || !tool::isPushing(tool) || !geometry::isSame(before.tool.shape, tool.shape)) continue;
       body.arrival = before.arrival;
+      body.pressed = before.pressed;
       body.tool.path = findArrivingPath(tool.path, body.arrival);
     }
     bodies.push_back(std::move(body));
@@ -95,46 +98,95 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
   const double radius = findRadius(tool.shape), ball = kBallMargin * (radius + (pushing ? 0.0 : tool.reach));
   const double squared_ball = ball * ball;
   const transfer::SampledPoints* const between = pushing ? points_.between() : nullptr;
+  double largest_growth = 0.0;
+  for (const Pressed& point : body.pressed) largest_growth = std::max(largest_growth, point.growth);
+  auto pressed = body.pressed.begin();
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
     endIfInterrupted(i, kLook);
     // Most points are far from most tools, and are skipped here.
     const bool is_passed = passed != body.passed.end() && passed->point == i;
+    const double growth = pressed != body.pressed.end() && pressed->point == i ? pressed++->growth : 0.0;
     const double squared_distance = (positions[i] - pose.position).squaredNorm();
     double reach = 0.0;
     if (between && mayTouchBetween(tool.shape, *between, i)) {
-      const double farthest = radius + kMostStretch * between->radius(i);
+      const double farthest = radius + largest_growth + kMostStretch * between->radius(i);
       if (!(squared_distance > farthest * farthest)) reach = between->findReach(i, positions);
     }
-    if (!is_passed && squared_distance > squared_ball && reach == 0.0) continue;
-    geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? reach : tool.reach);
-    if (reach > 0.0 && d.distance < reach) near_.push_back({i, d.distance, reach});
+    if (!is_passed && growth == 0.0 && squared_distance > squared_ball && reach == 0.0) continue;
+    const double look = reach > 0.0 ? reach + largest_growth : growth;
+    geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? look : tool.reach);
+    if (reach > 0.0 && d.distance < look) near_.push_back({i, d.distance, reach});
+    bool is_held_up = false;
     if (is_passed) {
       const tool::Entry& entry = passed++->entry;
       const Vec3 place = pose.orientation.conjugate() * (positions[i] - pose.position);
-      if (tool::isHeldUp(tool.shape, entry, place, d)) d = {entry.heightOf(place), pose.orientation * entry.normal};
+      is_held_up = tool::isHeldUp(tool.shape, entry, place, d);
+      if (is_held_up) d = {entry.heightOf(place), pose.orientation * entry.normal};
     }
-    if (!(pushing ? d.distance < 0.0 : std::abs(d.distance) < tool.reach)) continue;
-    const double force = pushing ? -d.distance : attractionForce(d.distance, tool.reach);
-    touches.push_back({i, positions[i], d.distance, d.normal, per_mass * points_.massOf(i) * force * d.normal});
+    if (!pushing) {
+      if (!(std::abs(d.distance) < tool.reach)) continue;
+      const double force = per_mass * points_.massOf(i) * attractionForce(d.distance, tool.reach);
+      touches.push_back({i, positions[i], d.distance, d.normal, force * d.normal, 0.0});
+      continue;
+    }
+    const double depth = (is_held_up ? 0.0 : growth) - d.distance;
+    if (depth > 0.0)
+      touches.push_back({i, positions[i], d.distance, d.normal, per_mass * points_.massOf(i) * depth * d.normal, depth});
   }
-  if (between) listTouchesBetween(tool, pose, positions, touches);
+  if (between) listTouchesBetween(body, pose, positions, largest_growth, touches);
 }
 
 // For the cells that are near.
-void ContactLoad::listTouchesBetween(const ToolParams& tool, const tool::Pose& pose, const Points& positions,
+void ContactLoad::listTouchesBetween(const Body& body, const tool::Pose& pose, const Points& positions, double largest_growth,
                                      std::vector<Touch>& touches) const {
   const transfer::SampledPoints& between = *points_.between();
   Index looked = 0;
+  auto pressed = std::lower_bound(body.pressed.begin(), body.pressed.end(), points_.numSimulated(),
+                                  [](const Pressed& a, Index p) { return a.point < p; });
   for (const NearCell& near : near_)
     for (Index s = between.begin(near.cell); s < between.end(near.cell); ++s) {
       const Index p = points_.numSimulated() + s;
-      if (!(near.distance < between.share(s) * near.reach) || points_.isSevered(p)) continue;
+      if (!(near.distance < between.share(s) * near.reach + largest_growth) || points_.isSevered(p)) continue;
       endIfInterrupted(looked++, kLook);
+      while (pressed != body.pressed.end() && pressed->point < p) ++pressed;
+      const double growth = pressed != body.pressed.end() && pressed->point == p ? pressed->growth : 0.0;
       const Vec3 position = points_.place(p, positions);
-      const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, position, 0.0);
-      if (d.distance < 0.0)
-        touches.push_back({p, position, d.distance, d.normal, -rate_ * rate_ * points_.massOf(p) * d.distance * d.normal});
+      const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, growth);
+      const double depth = growth - d.distance;
+      if (depth > 0.0)
+        touches.push_back({p, position, d.distance, d.normal, rate_ * rate_ * points_.massOf(p) * depth * d.normal, depth});
     }
+}
+
+// Writes what the growth is to be into grown_. Returns the largest depth.
+double ContactLoad::grow(double time, const Points& positions, const std::vector<char>& held, Body& body) {
+  double deepest = 0.0;
+  grown_.clear();
+  if (!tool::isPushing(body.tool)) return deepest;
+  listTouches(body, time, positions, pressing_);
+  auto passed = body.passed.begin();
+  for (const Touch& touch : pressing_) {
+    while (passed != body.passed.end() && passed->point < touch.point) ++passed;
+    const bool is_passed = passed != body.passed.end() && passed->point == touch.point;
+    if (is_passed || points_.isHeld(touch.point, held)) continue;
+    grown_.push_back({touch.point, std::clamp(touch.pressed, 0.0, most_growth_)});  // the growth so far and the depth
+    deepest = std::max(deepest, std::abs(grown_.back().growth - touch.pressed - touch.distance));
+  }
+  return deepest;
+}
+
+bool ContactLoad::settle(double time, const model::State& state, const std::vector<char>& held) {
+  bool has_grown = false;
+  for (Body& body : bodies_) {
+    const double deepest = grow(time, state.positions, held, body);
+    double largest = 0.0;
+    for (const Pressed& point : grown_) largest = std::max(largest, point.growth);
+    if (!(deepest > kSettled * largest)) continue;
+    body.pressed = grown_;
+    has_grown = true;
+  }
+  forgetTouches();
+  return has_grown;
 }
 
 const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body, double time, const Points& positions) const {
@@ -164,8 +216,9 @@ double ContactLoad::potentialOf(std::size_t body, double time, const Points& pos
   const bool pushing = tool::isPushing(tool);
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / points_.totalMass();
   for (const Touch& touch : findTouches(body, time, positions)) {
-    const double d = touch.distance;
-    sum += per_mass * points_.massOf(touch.point) * (pushing ? 0.5 * d * d : attractionPotential(d, tool.reach));
+    const double pressed = touch.pressed;
+    sum += per_mass * points_.massOf(touch.point) *
+           (pushing ? 0.5 * pressed * pressed : attractionPotential(touch.distance, tool.reach));
   }
   return sum;
 }

@@ -208,6 +208,7 @@ class Dynamics {
   void beginSelfContact(double dt, std::string& notice);
   void beginToolContact(double now, double dt, Outcome& outcome);
   solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
+  void settleContact(double now, solve::TimeMarch::Outcome& taken);
   std::string describeStopped();
   static void refuse(const std::string& why, Outcome& outcome);
   bool beginElsewhere(const Request& request);

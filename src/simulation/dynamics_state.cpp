@@ -15,7 +15,9 @@ std::size_t bytesInside(const tool::ToolParams& tool) { return bytesOf(tool.path
 std::size_t bytesInside(const NamedForces::Named& force) {
   return bytesOf(force.points) + bytesOf(force.shares) + (force.carriers ? bytesOf(*force.carriers) : 0);
 }
-std::size_t bytesInside(const ContactLoad::Body& body) { return bytesInside(body.tool) + bytesOf(body.passed); }
+std::size_t bytesInside(const ContactLoad::Body& body) {
+  return bytesInside(body.tool) + bytesOf(body.passed) + bytesOf(body.pressed);
+}
 std::size_t bytesInside(const Grips::Grip& grip) {
   return bytesInside(grip.tool) + bytesOf(grip.points) + bytesOf(grip.places) + bytesOf(grip.edges);
 }

@@ -13,6 +13,13 @@
 #include "step_messages.h"
 
 namespace deformable_surface::simulation {
+namespace {
+
+constexpr double kMostGrowth = 0.5;  // of the spacing: the most by which tools grow towards points that press on them
+constexpr int kMostSettling = 20;    // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
+
+}  // namespace
+
 double findLargestDistance(const Points& a, const Points& b) {
   double squared = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) squared = std::max(squared, (a[i] - b[i]).squaredNorm());
@@ -166,6 +173,7 @@ void Dynamics::beginToolContact(double now, double dt, Outcome& outcome) {
   ContactLoad& contact = loads_.contact;
   if (contact.isEmpty()) return;
   const Timer contact_timer;
+  contact.setGrowing(params_.integrator.type == solve::IntegratorType::kStatic, kMostGrowth * activity_.spacing());
   const bool has_changed = contact.beginStep(now, dt, now_.points, held_);
   appendNotice(outcome.notice, contact.notice());
   outcome.has_new_arrival = contact.hasNewArrival();
@@ -177,10 +185,26 @@ void Dynamics::beginToolContact(double now, double dt, Outcome& outcome) {
 // The sub-steps. An equilibrium that is not found from elsewhere is searched again from rest.
 solve::TimeMarch::Outcome Dynamics::advanceFromStart(double now, bool is_elsewhere) {
   solve::TimeMarch::Outcome taken = advance(now);
-  if (!is_elsewhere || taken.ok) return taken;
-  now_.points.positions = rest_->points;
-  march_.restart();
-  return march_.step(now, now_.points);
+  if (is_elsewhere && !taken.ok) {
+    now_.points.positions = rest_->points;
+    march_.restart();
+    taken = march_.step(now, now_.points);
+  }
+  if (params_.integrator.type == solve::IntegratorType::kStatic && !loads_.contact.isEmpty()) settleContact(now, taken);
+  return taken;
+}
+
+// The equilibrium in which points lie on tools, not in them.
+void Dynamics::settleContact(double now, solve::TimeMarch::Outcome& taken) {
+  const double end = now + params_.integrator.time_step;
+  for (int k = 0; k < kMostSettling && taken.ok && taken.report.converged && loads_.contact.settle(end, now_.points, held_);
+       ++k) {
+    const solve::TimeMarch::Outcome next = march_.step(now, now_.points);
+    if (!next.ok) return;
+    const Index before = taken.report.iterations;
+    taken = next;
+    taken.report.iterations += before;
+  }
 }
 
 void Dynamics::refuse(const std::string& why, Outcome& outcome) {

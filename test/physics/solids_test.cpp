@@ -12,17 +12,18 @@ TEST(SolidBar, SinksAsTimoshenkosBeam) {
       EXPECT_LT(answer.error, 0.05) << describe(bar, variant) << ", " << answer.size;
 }
 
-// The radius of contact is 0.06 m: 2.5, 3 and 4 spacings. The spacing decides which points touch, so the force is uncertain by
-// some of its square.
-TEST(PressedBall, FeelsHertzsForceAndBetterWithMorePoints) {
+// The radius of contact is 0.06 m: 2.5, 3 and 4 spacings.
+TEST(PressedBall, FeelsHertzsForce) {
   const Problem ball = findProblem(listSolids(), "ball pressed into a solid layer");
-  for (const Variant& variant : ball.variants) {
-    const std::vector<Answer> answers = ask(ball, variant, 3);
-    EXPECT_LT(answers[0].error, 0.12) << describe(ball, variant);
-    EXPECT_LT(answers[1].error, 0.08) << describe(ball, variant);
-    EXPECT_LT(answers[2].error, 0.05) << describe(ball, variant);
-    EXPECT_LT(answers[2].error, 0.5 * answers[0].error) << describe(ball, variant);
-  }
+  for (const Variant& variant : ball.variants)
+    for (const Answer& answer : ask(ball, variant, 3)) EXPECT_LT(answer.error, 0.03) << describe(ball, variant);
+}
+
+// A ball of 15 mm, 2 mm deep: the radius of contact is only 1.8 spacings, and a third of the ball's. The contact's own depth took
+// another 0.14 of the force before points at rest lay on tools.
+TEST(PalpatedSolid, IsNotSoftenedByContact) {
+  const Problem finger = findProblem(listSolids(), "solid palpated by a ball");
+  for (const Variant& variant : finger.variants) EXPECT_LT(ask(finger, variant, 1)[0].error, 0.2) << describe(finger, variant);
 }
 
 }  // namespace

@@ -16,11 +16,16 @@ namespace deformable_surface::simulation {
 
 /// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential m r^2 d^2
 /// / 2. As it is proportional to mass, it adds at most r^2 to the square of the highest frequency. At rest, the depth of a point
-/// is its share of the load over m r^2. Points of the cloud between the simulation points (setBetween()) are pushed in the same
-/// way, and pass the force on to the simulation points that they follow. A plane, or a ball so large that it cannot enter the
-/// surface between simulation points, touches only simulation points. A solid tool may pass over a point within a step, so that
-/// the point's shortest way out is no longer the way it came in. Such a point is pushed back along the latter, with d the depth
-/// below the plane there, until it is outside or beside the tool.
+/// would be its share of the load over m r^2. Points of the cloud between the simulation points (setBetween()) are pushed in the
+/// same way, and pass the force on to the simulation points that they follow. A plane, or a ball so large that it cannot enter
+/// the surface between simulation points, touches only simulation points. A solid tool may pass over a point within a step, so
+/// that the point's shortest way out is no longer the way it came in. Such a point is pushed back along the latter, with d the
+/// depth below the plane there, until it is outside or beside the tool.
+///
+/// In equilibria the depth is not left: it would make the tool softer than it is. Where points press on a solid tool, its surface
+/// grows by s towards them until they lie on the tool itself, and F = m r^2 (d + s) (setGrowing()). In motion nothing grows:
+/// points that carry s along, as those of a rolling ball do, would drive the motion. Points that cannot be pushed, and those that
+/// a tool has passed over, have none.
 ///
 /// A tool that appears where points already are moves to its place from the nearest one in which it touches none, straight and at
 /// constant speed within kArrival. Otherwise the points would leave at the speed r d, some hundred metres a second, in different
@@ -30,6 +35,7 @@ namespace deformable_surface::simulation {
 /// distance d, s the point's share of the total mass; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
 class ContactLoad : public solve::ExternalLoad {
  public:
+  static constexpr double kGrowth = 0.5;   // see above
   static constexpr double kArrival = 0.1;  // s, or a step if that is longer; equal to the time in which a tool is moved elsewhere
 
   explicit ContactLoad(const std::vector<double>& masses) : points_(masses) {}
@@ -61,12 +67,19 @@ class ContactLoad : public solve::ExternalLoad {
     Vec3 offset = Vec3::Zero();       // m, from its place to the start of the arrival; zero: no arrival
     double begins = 0.0, ends = 0.0;  // s
   };
-  /// A tool, its path with the arrival, and the points that it has passed over, ascending. Must be in a snapshot.
+  /// A point towards which the tool's surface has grown.
+  struct Pressed {
+    Index point;
+    double growth;  // m
+  };
+  /// A tool, its path with the arrival, and the points that it has passed over and those towards which it has grown, ascending.
+  /// Must be in a snapshot.
   struct Body {
     tool::ToolParams tool;
     std::vector<Passed> passed;
     Arrival arrival;
     std::optional<bool> acts;  // during the whole of the begun step; none: before the first
+    std::vector<Pressed> pressed{};
   };
   const std::vector<Body>& all() const { return bodies_; }
   void restore(const std::vector<Body>& bodies) {
@@ -98,6 +111,14 @@ class ContactLoad : public solve::ExternalLoad {
   void reset();
   /// The indices of simulation points have changed: new_index (of the former points), -1 = removed.
   void renumber(const std::vector<Index>& new_index);
+  /// Whether settle() is used: else what has grown is forgotten in the next beginStep(). most: m, limit of the growth.
+  void setGrowing(bool grows, double most) {
+    grows_ = grows;
+    most_growth_ = most;
+  }
+  /// For equilibria: grows by all of the depth at once. Returns whether a depth was more than a hundredth of the largest growth,
+  /// so that the equilibrium must be searched again.
+  bool settle(double time, const model::State& state, const std::vector<char>& held);
   /// Becomes the contact of a part of the points: new_index (of the simulation points of the whole), -1 = left out.
   void takePart(const ContactLoad& whole, const std::vector<Index>& new_index);
 
@@ -125,6 +146,7 @@ class ContactLoad : public solve::ExternalLoad {
     double distance;  // m, from the tool's surface; negative inside
     Vec3 normal;      // outward
     Vec3 force;       // N, on the point, along the normal
+    double pressed;   // m, of the contact spring: depth and growth; 0 for tools that attract
   };
   /// The touches of one body, for every point that it acts on, ascending. Valid until the next call with another time or other
   /// positions. Computed once for all callers.
@@ -148,8 +170,9 @@ class ContactLoad : public solve::ExternalLoad {
   void addSeconds(double seconds) const { seconds_ += seconds; }
 
  private:
-  void listTouchesBetween(const tool::ToolParams& tool, const tool::Pose& pose, const Points& positions,
+  void listTouchesBetween(const Body& body, const tool::Pose& pose, const Points& positions, double largest_growth,
                           std::vector<Touch>& touches) const;
+  double grow(double time, const Points& positions, const std::vector<char>& held, Body& body);
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
   double potentialOf(std::size_t body, double time, const Points& positions) const;
   // Keeps the memory.
@@ -161,8 +184,8 @@ class ContactLoad : public solve::ExternalLoad {
 
   ContactPoints points_;
   std::vector<Body> bodies_;  // solid, cut and attract
-  double rate_ = 0.0;
-  bool arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
+  double rate_ = 0.0, most_growth_ = 0.0;
+  bool grows_ = false, arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
   std::string notice_;
   mutable double seconds_ = 0.0;
   Points before_;  // m, of the last beginStep()
@@ -181,6 +204,8 @@ class ContactLoad : public solve::ExternalLoad {
   mutable Points touched_at_;             // m, positions of the touches
   mutable std::vector<Touches> touches_;  // by body; empty: none yet
   std::vector<Passed> scratch_;
+  std::vector<Touch> pressing_;        // scratch
+  std::vector<Pressed> grown_;         // scratch
   std::vector<std::string> reported_;  // ids of tools whose passing between points was reported
 };
 
