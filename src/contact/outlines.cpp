@@ -95,89 +95,130 @@ bool fillOne(Loop& loop, const Points& rest, const Vec3& direction, std::vector<
   return true;
 }
 
-}  // namespace
-
-Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles) {
-  const Index n = static_cast<Index>(rest.size());
-  std::vector<Index> root(n);
-  std::iota(root.begin(), root.end(), Index{0});
-  const auto find = [&](Index i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  std::vector<char> is_lone(n, 1);
-  std::vector<double> lengths;
-  for (const Triangle& t : triangles)
-    for (int k = 0; k < 3; ++k) {
-      const Index a = find(t[k]), b = find(t[(k + 1) % 3]);
-      root[std::max(a, b)] = std::min(a, b);
-      is_lone[t[k]] = 0;
-      lengths.push_back((rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
-    }
-  if (triangles.empty()) return {};
-  const double edge = findMedian(std::move(lengths));
-  const std::vector<Loop> loops = findLoops(triangles);
-
-  // The loop around each part, by the part's first point.
-  std::map<Index, Vec3> whole;  // twice the area vector
-  for (const Loop& loop : loops) whole.emplace(find(loop[0]), Vec3::Zero()).first->second += areaOf(loop, rest);
-  std::map<Index, std::size_t> around;
-  for (std::size_t l = 0; l < loops.size(); ++l) {
-    const Index part = find(loops[l][0]);
-    std::size_t& largest = around.emplace(part, l).first->second;
-    if (areaOf(loops[l], rest).dot(whole[part]) > areaOf(loops[largest], rest).dot(whole[part])) largest = l;
+// The connected parts, each known by its first point.
+class Parts {
+ public:
+  Parts(std::size_t num_points, const std::vector<Triangle>& triangles) : root_(num_points), is_lone_(num_points, 1) {
+    std::iota(root_.begin(), root_.end(), Index{0});
+    for (const Triangle& t : triangles)
+      for (int k = 0; k < 3; ++k) {
+        const Index a = find(t[k]), b = find(t[(k + 1) % 3]);
+        root_[std::max(a, b)] = std::min(a, b);
+        is_lone_[t[k]] = 0;
+      }
   }
 
+  Index find(Index i) {
+    while (root_[i] != i) i = root_[i] = root_[root_[i]];
+    return i;
+  }
+  bool isLone(Index i) const { return is_lone_[i] != 0; }  // has no triangle
+  void join(Index lone, Index part) { root_[lone] = part; }
+
+ private:
+  std::vector<Index> root_;
+  std::vector<char> is_lone_;
+};
+
+// What the boundary of a part tells.
+struct Rim {
+  Vec3 area = Vec3::Zero();  // m^2, twice that of the part
+  std::size_t around = 0;    // the loop around it
+};
+
+std::map<Index, Rim> findRims(const Points& rest, const std::vector<Loop>& loops, Parts& parts) {
+  std::map<Index, Rim> rims;
+  for (std::size_t l = 0; l < loops.size(); ++l) {
+    Rim& rim = rims.emplace(parts.find(loops[l][0]), Rim{Vec3::Zero(), l}).first->second;
+    rim.area += areaOf(loops[l], rest);
+  }
+  for (std::size_t l = 0; l < loops.size(); ++l) {
+    Rim& rim = rims[parts.find(loops[l][0])];
+    if (areaOf(loops[l], rest).dot(rim.area) > areaOf(loops[rim.around], rest).dot(rim.area)) rim.around = l;
+  }
+  return rims;
+}
+
+// By loop: the point without triangles in its hole, or -1; nothing if a point has no hole of its own. These points join the
+// parts.
+std::vector<Index> placeLonePoints(const Points& rest, const std::vector<Loop>& loops, const std::map<Index, Rim>& rims,
+                                   Parts& parts) {
   std::vector<Index> middle(loops.size(), -1);
-  for (Index i = 0; i < n; ++i) {
-    if (!is_lone[i]) continue;
+  for (Index i = 0; i < static_cast<Index>(rest.size()); ++i) {
+    if (!parts.isLone(i)) continue;
     std::size_t nearest = loops.size();
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t l = 0; l < loops.size(); ++l)
-      for (const Index j : loops[l])
-        if ((rest[i] - rest[j]).squaredNorm() < least) {
-          least = (rest[i] - rest[j]).squaredNorm();
-          nearest = l;
-        }
+      for (const Index j : loops[l]) {
+        const double squared = (rest[i] - rest[j]).squaredNorm();
+        if (!(squared < least)) continue;
+        least = squared;
+        nearest = l;
+      }
     if (nearest == loops.size() || middle[nearest] >= 0) return {};
-    const Index part = find(loops[nearest][0]);
-    if (around[part] == nearest) return {};
+    const Index part = parts.find(loops[nearest][0]);
+    if (rims.at(part).around == nearest) return {};
     middle[nearest] = i;
-    root[i] = part;
+    parts.join(i, part);
   }
+  return middle;
+}
+
+// Fills a small hole without a point in it. Returns whether nothing of it is left.
+bool fillHole(Loop& loop, const Points& rest, const Vec3& direction, std::vector<Triangle>& triangles) {
+  if (loop.size() > kSmallHole) return false;
+  while (loop.size() > 3 && fillOne(loop, rest, direction, triangles)) {}
+  if (loop.size() > 3) return false;
+  triangles.push_back({loop[0], loop[2], loop[1]});
+  return true;
+}
+
+}  // namespace
+
+Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles) {
+  if (triangles.empty()) return {};
+  std::vector<double> lengths;
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) lengths.push_back((rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
+  const double low = kLow * findMedian(std::move(lengths));
+  const std::vector<Loop> loops = findLoops(triangles);
+  Parts parts(rest.size(), triangles);
+  const std::map<Index, Rim> rims = findRims(rest, loops, parts);
+  const std::vector<Index> middle = placeLonePoints(rest, loops, rims, parts);
+  if (middle.size() < loops.size()) return {};
 
   Outlines made;
-  for (Index i = 0; i < n; ++i) {
-    if (find(i) != i || is_lone[i]) continue;
+  const auto beginPart = [&] {
     made.parts.push_back({static_cast<Index>(made.points.size()), static_cast<Index>(made.triangles.size()),
                           static_cast<Index>(made.loops.size())});
+  };
+  const auto addLoop = [&](const Loop& loop, Index in_the_middle, bool is_hole) {
+    made.loops.push_back({static_cast<Index>(made.loop_points.size()), in_the_middle, is_hole});
+    made.loop_points.insert(made.loop_points.end(), loop.begin(), loop.end());
+  };
+  const Index n = static_cast<Index>(rest.size());
+  for (Index i = 0; i < n; ++i) {
+    if (parts.find(i) != i) continue;
+    const auto rim = rims.find(i);
+    if (rim == rims.end()) return {};  // closed
+    beginPart();
     for (Index j = 0; j < n; ++j)
-      if (find(j) == i) made.points.push_back(j);
+      if (parts.find(j) == i) made.points.push_back(j);
     for (const Triangle& t : triangles)
-      if (find(t[0]) == i) made.triangles.push_back(t);
-    if (around.count(i) == 0) return {};  // closed
-    const Vec3 direction = whole[i].normalized();
+      if (parts.find(t[0]) == i) made.triangles.push_back(t);
+    const Vec3 direction = rim->second.area.normalized();
     for (std::size_t l = 0; l < loops.size(); ++l) {
-      if (find(loops[l][0]) != i) continue;
+      if (parts.find(loops[l][0]) != i) continue;
       Loop loop = loops[l];
-      const bool is_hole = l != around[i];
-      const Vec3 seen_from = is_hole ? Vec3(-direction) : direction;
-      if (is_hole && middle[l] < 0 && loop.size() <= kSmallHole) {
-        while (loop.size() > 3 && fillOne(loop, rest, direction, made.triangles)) {}
-        if (loop.size() == 3) {
-          made.triangles.push_back({loop[0], loop[2], loop[1]});
-          continue;
-        }
-      }
-      while (middle[l] < 0 && loop.size() > 3 && recedes(loop, rest, seen_from, kLow * edge))
-        if (!fillOne(loop, rest, direction, made.triangles)) break;
-      made.loops.push_back({static_cast<Index>(made.loop_points.size()), middle[l], is_hole});
-      made.loop_points.insert(made.loop_points.end(), loop.begin(), loop.end());
+      const bool is_hole = l != rim->second.around;
+      if (is_hole && middle[l] < 0 && fillHole(loop, rest, direction, made.triangles)) continue;
+      while (middle[l] < 0 && loop.size() > 3 && recedes(loop, rest, is_hole ? Vec3(-direction) : direction, low) &&
+             fillOne(loop, rest, direction, made.triangles)) {}
+      addLoop(loop, middle[l], is_hole);
     }
   }
-  made.parts.push_back(
-      {static_cast<Index>(made.points.size()), static_cast<Index>(made.triangles.size()), static_cast<Index>(made.loops.size())});
-  made.loops.push_back({static_cast<Index>(made.loop_points.size()), -1, false});
+  beginPart();
+  addLoop({}, -1, false);
   return made;
 }
 
