@@ -14,7 +14,7 @@ namespace deformable_surface::contact {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-// Of the median edge: more tolerance is not asked for, less is not worth the proof.
+// Of the median edge: more tolerance is not asked for, as few proofs have as much; less would be used up within a sub-step.
 constexpr double kMostTolerance = 0.2, kLeastTolerance = 0.002;
 constexpr Index kBlock = 512;          // triangles per task
 constexpr Index kNumberBlock = 16384;  // coordinates per task
@@ -81,7 +81,6 @@ DEFORMABLE_SURFACE_WIDE void findRooms(Index size, const Triangle* triangles, co
     takeRoots(longest);
     const Double4 change = 4.0 * (longest + most);
     const Double4 room = twice / change, room_apart = (twice - distance * longest) / (change + 2.0 * distance);
-    // Undefined numbers remain.
     least = room >= least ? least : room;
     least_apart = room_apart >= least_apart ? least_apart : room_apart;
   }
@@ -256,7 +255,9 @@ bool Clearance::prove(const Points& positions, const Points& velocities, double 
   tolerance_ = room.uncrossed / std::sqrt(3.0);
   if (room.apart > kLeastTolerance * edge_) apart_tolerance_ = room.apart / std::sqrt(3.0);
   from_ = positions;
-  return true;
+  // Undefined numbers, which comparisons pass over, are never near.
+  if (!isNear(positions, tolerance_)) forget();
+  return tolerance_ > 0.0;
 }
 
 bool Clearance::isNear(const Points& positions, double tolerance) const {

@@ -15,9 +15,13 @@ namespace {
 using Triangle = std::array<Index, 3>;
 using Loop = std::vector<Index>;
 
-// Of the median edge: loops are filled up where the triangles of their edges with their middles are lower at rest.
+// Of the median edge: loops are filled up where the triangles of their edges with their middles are lower at rest. Higher than
+// the lowest triangles of most surfaces (0.2 to 0.35), which limit the proof anyway.
 constexpr double kLow = 0.35;
-constexpr std::size_t kSmallHole = 6;  // points of a hole that is filled up as a whole
+// Points of a hole that is filled up as a whole. Its own triangles are higher than those with its middle.
+constexpr std::size_t kSmallHole = 6;
+constexpr std::size_t kLongLoop = 4000;  // points of a loop that is not filled up: that takes a time of their square
+constexpr Index kManyParts = 64;         // are not worth the proof: their boxes are compared with each other
 
 // Twice the area vector.
 Vec3 areaOf(const Loop& loop, const Points& rest) {
@@ -33,15 +37,16 @@ Vec3 middleOf(const Loop& loop, const Points& rest) {
   return sum / static_cast<double>(loop.size());
 }
 
-// Loops of the edges without a triangle beyond. None passes a point twice: there the loop is closed.
-std::vector<Loop> findLoops(const std::vector<Triangle>& triangles) {
+// Loops of the edges without a triangle beyond. None passes a point twice: there the loop is closed. Returns whether no two
+// triangles pass an edge in the same direction; else there are no such loops.
+bool findLoops(const std::vector<Triangle>& triangles, std::vector<Loop>& loops) {
   std::set<std::pair<Index, Index>> edges;
   for (const Triangle& t : triangles)
-    for (int k = 0; k < 3; ++k) edges.insert({t[k], t[(k + 1) % 3]});
+    for (int k = 0; k < 3; ++k)
+      if (!edges.insert({t[k], t[(k + 1) % 3]}).second) return false;
   std::set<std::pair<Index, Index>> boundary;
   for (const auto& [from, to] : edges)
     if (edges.count({to, from}) == 0) boundary.insert({from, to});
-  std::vector<Loop> loops;
   while (!boundary.empty()) {
     Loop way{boundary.begin()->first};
     do {
@@ -56,7 +61,7 @@ std::vector<Loop> findLoops(const std::vector<Triangle>& triangles) {
       way.push_back(next);
     } while (way.size() > 1);
   }
-  return loops;
+  return true;
 }
 
 // Whether some edge runs towards the middle of the loop, or back. direction: from which the loop runs anticlockwise.
@@ -181,7 +186,8 @@ Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles
   for (const Triangle& t : triangles)
     for (int k = 0; k < 3; ++k) lengths.push_back((rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
   const double low = kLow * findMedian(std::move(lengths));
-  const std::vector<Loop> loops = findLoops(triangles);
+  std::vector<Loop> loops;
+  if (!findLoops(triangles, loops)) return {};
   Parts parts(rest.size(), triangles);
   const std::map<Index, Rim> rims = findRims(rest, loops, parts);
   const std::vector<Index> middle = placeLonePoints(rest, loops, rims, parts);
@@ -200,7 +206,7 @@ Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles
   for (Index i = 0; i < n; ++i) {
     if (parts.find(i) != i) continue;
     const auto rim = rims.find(i);
-    if (rim == rims.end()) return {};  // closed
+    if (rim == rims.end() || made.numParts() == kManyParts) return {};  // closed, or too many
     beginPart();
     for (Index j = 0; j < n; ++j)
       if (parts.find(j) == i) made.points.push_back(j);
@@ -212,8 +218,9 @@ Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles
       Loop loop = loops[l];
       const bool is_hole = l != rim->second.around;
       if (is_hole && middle[l] < 0 && fillHole(loop, rest, direction, made.triangles)) continue;
-      while (middle[l] < 0 && loop.size() > 3 && recedes(loop, rest, is_hole ? Vec3(-direction) : direction, low) &&
-             fillOne(loop, rest, direction, made.triangles)) {}
+      while (middle[l] < 0 && loop.size() > 3 && loop.size() < kLongLoop &&
+             recedes(loop, rest, is_hole ? Vec3(-direction) : direction, low) && fillOne(loop, rest, direction, made.triangles)) {
+      }
       addLoop(loop, middle[l], is_hole);
     }
   }

@@ -23,7 +23,7 @@ constexpr double kRounding = 1e-15;  // m
 
 SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses,
                          const SelfContactParams& params)
-    : clearance_(rest, triangles, params.thickness),
+    : clearance_(rest, triangles, kWatched * params.thickness),
       motion_(rest.size()),
       list_(std::move(rest), triangles, params.thickness),
       masses_(std::move(masses)),

@@ -139,6 +139,12 @@ TEST(Clearance, KnowsHowLongItHolds) {
   EXPECT_FALSE(clearance.staysUncrossed(one, sheet.points));
   one[20].z() = std::nan("");
   EXPECT_FALSE(clearance.staysUncrossed(sheet.points, one));
+  EXPECT_FALSE(clearance.prove(one, velocities, 0.01));
+  Points sudden = velocities;
+  sudden[20].x() = std::nan("");
+  EXPECT_FALSE(clearance.prove(sheet.points, sudden, 0.01));
+  EXPECT_FALSE(clearance.isApart());
+  ASSERT_TRUE(clearance.prove(sheet.points, velocities, 0.01));
   clearance.forget();
   EXPECT_FALSE(clearance.isApart());
   EXPECT_FALSE(clearance.staysUncrossed(sheet.points, sheet.points));

@@ -64,17 +64,23 @@ TEST(Outlines, OfTwoParts) {
 }
 
 TEST(Outlines, FillUpSmallHolesOnly) {
-  // Two neighbouring squares: a hole of six points. A hole of eight points around a cross of five squares stays.
+  // Two neighbouring squares: a hole of six points.
   const Mesh small = makeGrid(6, 5, [](Index i, Index j) { return j != 2 || (i != 2 && i != 3); });
   const Outlines filled = findOutlines(small.points, small.triangles);
   EXPECT_EQ(numLoops(filled), 1);
   EXPECT_DOUBLE_EQ(areaOf(filled, small.points), 30.0);
-  const Mesh large = makeGrid(7, 7, [](Index i, Index j) { return i < 2 || i > 4 || j < 2 || j > 4; });
-  Points points = large.points;
-  std::vector<Triangle> triangles = large.triangles;
-  const Outlines open = findOutlines(points, triangles);
-  // Four points within the hole have no triangles: more than one loop can hold.
-  EXPECT_EQ(open.numParts(), 0);
+  // Three: a hole of eight, of which only the ends are filled up, as its edges there run towards its middle.
+  const Mesh large = makeGrid(7, 5, [](Index i, Index j) { return j != 2 || i < 2 || i > 4; });
+  const Outlines open = findOutlines(large.points, large.triangles);
+  EXPECT_EQ(numLoops(open), 2);
+  EXPECT_LT(areaOf(open, large.points), 34.0);
+}
+
+TEST(Outlines, AreNoneOfManyPartsOrLonePointsWithoutAHole) {
+  const Mesh apart = makeGrid(19, 19, [](Index i, Index j) { return i % 2 == 0 && j % 2 == 0; });
+  EXPECT_EQ(findOutlines(apart.points, apart.triangles).numParts(), 0);
+  const Mesh hollow = makeGrid(7, 7, [](Index i, Index j) { return i < 2 || i > 4 || j < 2 || j > 4; });
+  EXPECT_EQ(findOutlines(hollow.points, hollow.triangles).numParts(), 0);  // four points in one hole
 }
 
 TEST(Outlines, HaveAPointInTheMiddleOfAHole) {
@@ -134,6 +140,8 @@ TEST(Outlines, AreNoneOfAClosedSurfaceOrOfNothing) {
   EXPECT_EQ(findOutlines(corners, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}).numParts(), 0);
   EXPECT_EQ(findOutlines(corners, {}).numParts(), 0);
   EXPECT_EQ(findOutlines({}, {}).numParts(), 0);
+  // Three triangles at one edge.
+  EXPECT_EQ(findOutlines(corners, {{0, 1, 2}, {0, 1, 3}}).numParts(), 0);
 }
 
 }  // namespace

@@ -54,6 +54,15 @@ TEST(SelfContact, PushesWithTheGradientOfItsPotential) {
     }
 }
 
+TEST(SelfContact, PartsUpToOneAndAHalfThicknessesApartMayTouch) {
+  for (const double gap : {0.9, 1.2, 1.4, 1.6, 3.0}) {
+    const test::Sheets sheets = test::makeSheets(2, 5, gap * kParams.thickness, 0.0);
+    SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
+    EXPECT_EQ(contact.mayTouch(sheets.points, Points(sheets.points.size(), Vec3::Zero()), 0.01), gap < 1.5) << gap;
+    EXPECT_EQ(contact.countTouching(sheets.points) > 0, gap < 1.0) << gap;
+  }
+}
+
 TEST(SelfContact, DampingTakesEnergyAndNoMomentum) {
   const test::Sheets sheets = test::makeSheets(2, 5, 0.0013, 0.0004);
   SelfContact contact = makeContact(sheets, spread(sheets.points, 25));

@@ -9,15 +9,17 @@
 namespace deformable_surface::contact {
 
 /// Each connected part of the surface is projected onto a plane. No two of its triangles overlap there if all keep their
-/// orientation and if each loop of the boundary, seen from its middle, is passed once around in a constant sense [Volino and
-/// Magnenat-Thalmann 1994]: the number of places above a point of the plane is the sum of the winding numbers of the loops about
-/// it, at most one. Primitives without a common vertex are then at least as far apart as the least altitude of the projected
-/// triangles, and of the triangles of the loops' edges with their middles. Boxes keep the parts apart.
+/// orientation and if each loop of the boundary, seen from its middle, is passed once around in a constant sense: anticlockwise
+/// the loop around the part, clockwise those of its holes [Volino and Magnenat-Thalmann 1994]: the number of places above a point
+/// of the plane is the sum of the winding numbers of the loops about it, at most one. Primitives without a common vertex are then
+/// at least as far apart as the least altitude of the projected triangles, and of the triangles of the loops' edges with their
+/// middles. Boxes keep the parts apart.
 ///
 /// The points' motion is predicted. The proof holds as long as all remain within a tolerance of it. This is cheap to check.
 class Clearance {
  public:
-  /// For primitives that are to stay farther apart than distance (m). rest: (n) m.
+  /// For primitives that are to stay farther apart than distance (m). rest: (n) m. Proves nothing where findOutlines() finds
+  /// nothing.
   Clearance(const Points& rest, const std::vector<Triangle>& triangles, double distance);
 
   /// Tries the proof for points that keep their velocities (n) for a time; m and s, or any other unit of time.

@@ -32,7 +32,7 @@ struct SelfContactForce {
 };
 
 /// Contact of one surface. Not thread-safe: all functions share scratch memory. Results depend only on positions and velocities,
-/// not on earlier calls. Those of limit() also depend on its calls since the last mayTouch().
+/// not on earlier calls. Those of limit() also depend on what was called since the last mayTouch().
 class SelfContact {
  public:
   /// rest: (n) m; masses: (n) kg. Triangles that cross others at rest are never active.
