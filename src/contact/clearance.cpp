@@ -1,6 +1,5 @@
 #include "deformable_surface/contact/clearance.h"
 
-#include "deformable_surface/base/median.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/simd.h"
 
@@ -101,10 +100,6 @@ void Clearance::Room::restrict(const Room& other) {
 Clearance::Clearance(const Points& rest, const std::vector<Triangle>& triangles, double distance)
     : distance_(distance), outlines_(findOutlines(rest, triangles)) {
   if (outlines_.numParts() == 0) return;
-  std::vector<double> lengths;
-  for (const Triangle& t : triangles)
-    for (int k = 0; k < 3; ++k) lengths.push_back((rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
-  edge_ = findMedian(std::move(lengths));
   flat_.resize(rest.size());
   rooms_.resize((outlines_.triangles.size() - 1) / kBlock + 1);
   boxes_.resize(outlines_.numParts());
@@ -115,7 +110,7 @@ Clearance::Clearance(const Points& rest, const std::vector<Triangle>& triangles,
 // Each point within d of its prediction changes an area by at most 2 d (|a| + |b|) + 4 d^2, a length by at most 2 d.
 // length: the longest that the altitude may have as its base; arms: the sum of those of the sides.
 Clearance::Room Clearance::roomOf(double twice_area, double length, double arms) const {
-  const double most = kMostTolerance * edge_;
+  const double most = kMostTolerance * outlines_.edge;
   return {twice_area / (2.0 * arms + 4.0 * most),
           (twice_area - distance_ * length) / (2.0 * arms + 4.0 * most + 2.0 * distance_)};
 }
@@ -157,7 +152,7 @@ void Clearance::project(const Outlines::Part& part, const Outlines::Part& next, 
 Clearance::Room Clearance::checkTriangles(Index begin, Index end) const {
   Room room{kFar, kFar};
   const double* const flat = &flat_.data()->u;
-  const double most = kMostTolerance * edge_;
+  const double most = kMostTolerance * outlines_.edge;
   const Index whole = (end - begin) / 4 * 4;
   findRooms(whole, &outlines_.triangles[begin], flat, distance_, most, room.uncrossed, room.apart);
   if (begin + whole == end) return room;
@@ -225,7 +220,7 @@ Clearance::Room Clearance::checkParts(const Points& positions, const Points& mot
 }
 
 Clearance::Room Clearance::findRoom(const Points& positions, const Points& motion) {
-  Room room{kMostTolerance * edge_, kMostTolerance * edge_};
+  Room room{kMostTolerance * outlines_.edge, kMostTolerance * outlines_.edge};
   if (outlines_.numParts() > 1) room.restrict(checkParts(positions, motion));
   for (Index p = 0; p < outlines_.numParts() && room.isLeft(); ++p) {
     const Outlines::Part &part = outlines_.parts[p], &next = outlines_.parts[p + 1];
@@ -251,9 +246,9 @@ bool Clearance::prove(const Points& positions, const Points& velocities, double 
     if (motion_[i].squaredNorm() > motion_[leader_].squaredNorm()) leader_ = static_cast<Index>(i);
   }
   const Room room = findRoom(positions, motion_);
-  if (!(room.uncrossed > kLeastTolerance * edge_)) return false;
+  if (!(room.uncrossed > kLeastTolerance * outlines_.edge)) return false;
   tolerance_ = room.uncrossed / std::sqrt(3.0);
-  if (room.apart > kLeastTolerance * edge_) apart_tolerance_ = room.apart / std::sqrt(3.0);
+  if (room.apart > kLeastTolerance * outlines_.edge) apart_tolerance_ = room.apart / std::sqrt(3.0);
   from_ = positions;
   // Undefined numbers, which comparisons pass over, are never near.
   if (!isNear(positions, tolerance_)) forget();

@@ -185,7 +185,7 @@ Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles
   std::vector<double> lengths;
   for (const Triangle& t : triangles)
     for (int k = 0; k < 3; ++k) lengths.push_back((rest[t[k]] - rest[t[(k + 1) % 3]]).norm());
-  const double low = kLow * findMedian(std::move(lengths));
+  const double edge = findMedian(std::move(lengths));
   std::vector<Loop> loops;
   if (!findLoops(triangles, loops)) return {};
   Parts parts(rest.size(), triangles);
@@ -194,6 +194,7 @@ Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles
   if (middle.size() < loops.size()) return {};
 
   Outlines made;
+  made.edge = edge;
   const auto beginPart = [&] {
     made.parts.push_back({static_cast<Index>(made.points.size()), static_cast<Index>(made.triangles.size()),
                           static_cast<Index>(made.loops.size())});
@@ -219,8 +220,8 @@ Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles
       const bool is_hole = l != rim->second.around;
       if (is_hole && middle[l] < 0 && fillHole(loop, rest, direction, made.triangles)) continue;
       while (middle[l] < 0 && loop.size() > 3 && loop.size() < kLongLoop &&
-             recedes(loop, rest, is_hole ? Vec3(-direction) : direction, low) && fillOne(loop, rest, direction, made.triangles)) {
-      }
+             recedes(loop, rest, is_hole ? Vec3(-direction) : direction, kLow * edge) &&
+             fillOne(loop, rest, direction, made.triangles)) {}
       addLoop(loop, middle[l], is_hole);
     }
   }

@@ -42,7 +42,7 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
   return !is_flat || between.height(cell) > kFlat * between.radius(cell);
 }
 
-constexpr double kSettled = 0.01;  // of the largest growth: depth that an equilibrium may leave
+constexpr double kSettled = 0.01;  // of the largest growth: smaller changes need no new equilibrium
 
 constexpr Index kLook = 1024;  // points between two checks for an interrupt: milliseconds, also for tools of many triangles
 
@@ -158,11 +158,11 @@ void ContactLoad::listTouchesBetween(const Body& body, const tool::Pose& pose, c
     }
 }
 
-// Writes what the growth is to be into grown_. Returns the largest depth.
+// Writes what the growth is to be into grown_. Returns by how much a growth changes at most, m: by the depth, up to its limit.
 double ContactLoad::grow(double time, const Points& positions, const std::vector<char>& held, Body& body) {
-  double deepest = 0.0;
+  double change = 0.0;
   grown_.clear();
-  if (!tool::isPushing(body.tool)) return deepest;
+  if (!tool::isPushing(body.tool)) return change;
   listTouches(body, time, positions, pressing_);
   auto passed = body.passed.begin();
   for (const Touch& touch : pressing_) {
@@ -170,18 +170,19 @@ double ContactLoad::grow(double time, const Points& positions, const std::vector
     const bool is_passed = passed != body.passed.end() && passed->point == touch.point;
     if (is_passed || points_.isHeld(touch.point, held)) continue;
     grown_.push_back({touch.point, std::clamp(touch.pressed, 0.0, most_growth_)});  // the growth so far and the depth
-    deepest = std::max(deepest, std::abs(grown_.back().growth - touch.pressed - touch.distance));
+    const double before = touch.pressed + touch.distance;
+    change = std::max(change, std::abs(grown_.back().growth - before));
   }
-  return deepest;
+  return change;
 }
 
 bool ContactLoad::settle(double time, const model::State& state, const std::vector<char>& held) {
   bool has_grown = false;
   for (Body& body : bodies_) {
-    const double deepest = grow(time, state.positions, held, body);
+    const double change = grow(time, state.positions, held, body);
     double largest = 0.0;
     for (const Pressed& point : grown_) largest = std::max(largest, point.growth);
-    if (!(deepest > kSettled * largest)) continue;
+    if (!(change > kSettled * largest)) continue;
     body.pressed = grown_;
     has_grown = true;
   }

@@ -8,12 +8,12 @@
 
 namespace deformable_surface::contact {
 
-/// Each connected part of the surface is projected onto a plane. No two of its triangles overlap there if all keep their
-/// orientation and if each loop of the boundary, seen from its middle, is passed once around in a constant sense: anticlockwise
-/// the loop around the part, clockwise those of its holes [Volino and Magnenat-Thalmann 1994]: the number of places above a point
-/// of the plane is the sum of the winding numbers of the loops about it, at most one. Primitives without a common vertex are then
-/// at least as far apart as the least altitude of the projected triangles, and of the triangles of the loops' edges with their
-/// middles. Boxes keep the parts apart.
+/// Each connected part of the surface is projected onto a plane. No two of its triangles overlap there under two conditions
+/// [Volino and Magnenat-Thalmann 1994]. All triangles keep their orientation. Each loop of the boundary, seen from its middle, is
+/// passed once around in a constant sense: the loop around the part anticlockwise, those of its holes clockwise. The reason: the
+/// number of places above a point of the plane is the sum of the winding numbers of the loops about it, which is at most one.
+/// Primitives without a common vertex are then at least as far apart as the least altitude of two kinds of triangles: those of
+/// the projected surface, and those that the edges of the loops form with their middles. Boxes keep the parts apart.
 ///
 /// The points' motion is predicted. The proof holds as long as all remain within a tolerance of it. This is cheap to check.
 class Clearance {
@@ -53,13 +53,11 @@ class Clearance {
                const Points& motion);
   Room checkTriangles(Index begin, Index end) const;
   Room checkLoop(const Outlines::Loop& loop, Index end) const;
-  Room checkTurns(const Flat& p, const Flat& q, double p_length, double q_length, double sense) const;
   Room checkParts(const Points& positions, const Points& motion);
   Room roomOf(double twice_area, double length, double arms) const;
   bool isNear(const Points& positions, double tolerance) const;
 
   const double distance_;
-  double edge_ = 0.0;  // m, median at rest
   Outlines outlines_;
   std::vector<Flat> flat_;                            // (n)
   std::vector<Room> rooms_;                           // of blocks of triangles

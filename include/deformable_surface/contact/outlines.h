@@ -22,13 +22,15 @@ struct Outlines {
   std::vector<std::array<Index, 3>> triangles;  // by part
   std::vector<Loop> loops;                      // by part, and one more
   std::vector<Index> loop_points;               // with the surface on the left
+  double edge = 0.0;                            // m, the median edge of the surface
 
   Index numParts() const { return parts.empty() ? 0 : static_cast<Index>(parts.size()) - 1; }
 };
 
-/// rest: (n) m. Each part has one loop around it; the others surround holes. Small holes, and places where a loop runs towards
-/// its middle or back, are filled up with triangles that the surface does not have. Nothing if a part has no boundary, or a point
-/// without triangles lies in no hole of its own.
+/// rest: (n) m. Each part has one loop around it; the others surround holes. Small holes are filled up with triangles that the
+/// surface does not have, and so are places where a loop runs towards its middle or back. Finds nothing if two triangles pass an
+/// edge in the same direction, if a part has no boundary, if a point without triangles lies in no hole of its own, or if there
+/// are many parts. O(n log n), and a time of the square of the points of each loop that is filled up.
 Outlines findOutlines(const Points& rest, const std::vector<std::array<Index, 3>>& triangles);
 
 }  // namespace deformable_surface::contact

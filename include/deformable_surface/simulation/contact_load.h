@@ -35,7 +35,6 @@ namespace deformable_surface::simulation {
 /// distance d, s the point's share of the total mass; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
 class ContactLoad : public solve::ExternalLoad {
  public:
-  static constexpr double kGrowth = 0.5;   // see above
   static constexpr double kArrival = 0.1;  // s, or a step if that is longer; equal to the time in which a tool is moved elsewhere
 
   explicit ContactLoad(const std::vector<double>& masses) : points_(masses) {}
