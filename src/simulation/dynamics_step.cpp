@@ -16,7 +16,9 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr double kMostGrowth = 0.5;  // of the spacing: the most by which tools grow towards points that press on them
-constexpr int kMostSettling = 20;    // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
+// Share of the surface's area that is not worth a word: even sheets have up to 0.03.
+constexpr double kNoContact = 0.05;
+constexpr int kMostSettling = 20;  // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
 
 }  // namespace
 
@@ -155,6 +157,14 @@ void Dynamics::beginSelfContact(double dt, std::string& notice) {
     appendNotice(notice, std::to_string(pairs.numCrossed()) + " triangles are crossed by others at rest, one of them near (" +
                              formatShort(place.x()) + ", " + formatShort(place.y()) + ", " + formatShort(place.z()) +
                              ") m: there the surface passes through itself");
+  }
+  if (steps_ == 0) {
+    const double share = findShareWithoutContact(rest_->points, trianglesOf(*model_), *loads_.self_contact->triangles());
+    if (share > kNoContact)
+      appendNotice(notice,
+                   formatShort(100.0 * share) +
+                       " % of the surface's area has no contact with itself, because triangles overlap there at rest: "
+                       "layers nearer than some spacings, or a very uneven cloud; parts can pass through each other there");
   }
   if (!loads_.self_contact->beginStep(now_.points, dt)) return;
   if (!loads_.self_contact->mayAct()) now_.points.self_friction.clear();

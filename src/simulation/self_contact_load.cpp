@@ -81,6 +81,15 @@ std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const 
   return chosen;
 }
 
+double findShareWithoutContact(const Points& rest, const std::vector<model::WeightedTriangle>& triangles,
+                               const std::vector<contact::Triangle>& chosen) {
+  const auto areaOf = [&](Index a, Index b, Index c) { return (rest[b] - rest[a]).cross(rest[c] - rest[a]).norm(); };
+  double whole = 0.0, kept = 0.0;
+  for (const model::WeightedTriangle& t : triangles) whole += t.weight * areaOf(t.corner[0], t.corner[1], t.corner[2]);
+  for (const contact::Triangle& t : chosen) kept += areaOf(t[0], t[1], t[2]);
+  return whole > kept ? 1.0 - kept / whole : 0.0;
+}
+
 SelfContactLoads::SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses,
                                    const contact::SelfContactParams& params)
     : contact(rest, *triangles, masses, params),

@@ -17,6 +17,11 @@ namespace deformable_surface::simulation {
 /// triangulations: one of them is kept. At edges of scattered points, long triangles may lie across others: they are left out.
 std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const std::vector<model::WeightedTriangle>& triangles);
 
+/// Share of the surface's area that the chosen triangles do not have, 0 to 1. Large where triangles overlap that the model keeps:
+/// between layers nearer than two spacings or so, and on very uneven clouds.
+double findShareWithoutContact(const Points& rest, const std::vector<model::WeightedTriangle>& triangles,
+                               const std::vector<contact::Triangle>& chosen);
+
 /// The springs that push near parts apart.
 class SelfContactLoad : public solve::ExternalLoad {
  public:
