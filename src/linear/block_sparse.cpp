@@ -24,6 +24,7 @@ void BlockSparse::begin(Index n) {
   next_ = 0;
   pending_.clear();
   for (Mat3& value : values_) value.setZero();
+  named_.assign(values_.size(), 0);
 }
 
 Index BlockSparse::find(Index i, Index j) const {
@@ -39,23 +40,30 @@ void BlockSparse::add(Index i, Index j, const Mat3& block) {
   if (entry.slot < 0) {
     endIfInterrupted(pending_.size(), kLook);
     pending_.push_back({std::max(i, j), std::min(i, j), i >= j ? block : Mat3(block.transpose())});
-  } else if (i >= j) {
-    values_[entry.slot] += block;
-  } else {
-    values_[entry.slot] += block.transpose();
+    return;
   }
+  named_[entry.slot] = 1;
+  if (i >= j)
+    values_[entry.slot] += block;
+  else
+    values_[entry.slot] += block.transpose();
 }
 
-bool BlockSparse::finish() {
+bool BlockSparse::finish(bool exactly) {
+  const Index n = pattern_.size();
   // A matrix that was never filled lacks its diagonal.
-  if (pending_.empty() && static_cast<Index>(pattern_.items.size()) >= pattern_.size()) return false;
-  buildPattern();
-  return true;
+  bool is_known = pending_.empty() && static_cast<Index>(pattern_.items.size()) >= n;
+  if (is_known && exactly) {
+    for (Index column = 0; column < n; ++column) named_[pattern_.offsets[column]] = 1;
+    is_known = std::find(named_.begin(), named_.end(), 0) == named_.end();
+  }
+  if (!is_known) buildPattern(exactly);
+  return !is_known;
 }
 
-// The existing blocks, pending ones and the diagonal, by column and row. A first filling names each block many times, so
-// that the cost per entry must be small.
-void BlockSparse::buildPattern() {
+// The existing blocks, or those of them that were named, pending ones and the diagonal, by column and row. A first filling names
+// each block many times, so that the cost per entry must be small.
+void BlockSparse::buildPattern(bool exactly) {
   const Index n = pattern_.size();
   Lists waiting;  // of each column, in the order in which they came
   waiting.offsets.assign(n + 1, 0);
@@ -67,8 +75,9 @@ void BlockSparse::buildPattern() {
 
   const Lists before = std::exchange(pattern_, Lists());
   const std::vector<Mat3> values_before = std::exchange(values_, {});
-  std::vector<Index> moved(values_before.size()), found(pending_.size());  // slots of existing and of pending blocks
-  std::vector<Index> slot(n), seen(n, -1);                                 // of a row; the last column that it was seen in
+  const auto stays = [&](Index k) { return !exactly || named_[k] != 0; };
+  std::vector<Index> moved(values_before.size(), -1), found(pending_.size());  // slots of existing and of pending blocks
+  std::vector<Index> slot(n), seen(n, -1);                                     // of a row; the last column that it was seen in
   std::vector<Index> rows;
   pattern_.offsets.assign(1, 0);
   for (Index column = 0; column < n; ++column) {
@@ -78,7 +87,8 @@ void BlockSparse::buildPattern() {
       if (std::exchange(seen[row], column) != column) rows.push_back(row);
     };
     see(column);
-    for (const Index* row = before.begin(column); row != before.end(column); ++row) see(*row);
+    for (Index k = before.offsets[column]; k < before.offsets[column + 1]; ++k)
+      if (stays(k)) see(before.items[k]);
     for (const Index* k = waiting.begin(column); k != waiting.end(column); ++k) see(pending_[*k].row);
     std::sort(rows.begin(), rows.end());
     for (const Index row : rows) {
@@ -88,7 +98,7 @@ void BlockSparse::buildPattern() {
     pattern_.offsets.push_back(static_cast<Index>(pattern_.items.size()));
     values_.resize(pattern_.items.size(), Mat3::Zero());
     for (Index k = before.offsets[column]; k < before.offsets[column + 1]; ++k)
-      values_[moved[k] = slot[before.items[k]]] = values_before[k];
+      if (stays(k)) values_[moved[k] = slot[before.items[k]]] = values_before[k];
     for (const Index* k = waiting.begin(column); k != waiting.end(column); ++k)
       values_[found[*k] = slot[pending_[*k].row]] += pending_[*k].block;
   }

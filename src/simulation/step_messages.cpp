@@ -61,8 +61,9 @@ std::string describeFailure(const solve::StepFailure& failure) {
     case Failure::kNotFinite: return "gave values that are not finite";
     case Failure::kLeftSpace: return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
     case Failure::kGainedEnergy:
-      return "gained energy that nothing had put in (from " + formatReal(failure.energy_before) + " to " +
-             formatReal(failure.energy_after) + " J; with the steps before it " + formatReal(failure.excess) + " J too much)";
+      return "gained energy that nothing had put in (from " + formatShort(failure.energy_before) + " to " +
+             formatShort(failure.energy_after) + " J, where " + formatShort(failure.work) +
+             " J were put in; with the steps before it " + formatShort(failure.excess) + " J too much)";
   }
   return "";
 }

@@ -67,23 +67,24 @@ bool allFinite(const Points& points) {
   return std::isfinite(sum);
 }
 
-// Removes energy above the limit, J, from the motion relative to the mean. A free body keeps its momentum; a held one has
-// none to keep.
+// Removes energy above the limit, J, from the motion of free points relative to their mean. A free body keeps its momentum; a
+// held one has none to keep. Held points keep their velocities.
 void limitKineticEnergy(const System& system, double limit, State& state) {
   const double kinetic = system.kineticEnergy(state);
   if (!(kinetic > limit)) return;
   Vec3 mean = Vec3::Zero();
-  double mass = 0.0;
+  double mass = 0.0, kept = 0.0;
   bool any_held = false;
   for (Index i = 0; i < state.size(); ++i) {
+    const double m = system.masses()[i];
+    if (system.isHeld(i)) kept += 0.5 * m * state.velocities[i].squaredNorm();
     any_held = any_held || system.isHeld(i);
-    mean += system.masses()[i] * state.velocities[i];
-    mass += system.masses()[i];
+    mean += m * state.velocities[i];
+    mass += m;
   }
   mean = any_held ? Vec3::Zero() : Vec3(mean / mass);
-  const double of_mean = 0.5 * mass * mean.squaredNorm();
-  const double scale =
-      std::sqrt(std::max(0.0, limit - of_mean) / std::max(kinetic - of_mean, std::numeric_limits<double>::min()));
+  if (!any_held) kept = 0.5 * mass * mean.squaredNorm();
+  const double scale = std::sqrt(std::max(0.0, limit - kept) / std::max(kinetic - kept, std::numeric_limits<double>::min()));
   for (Index i = 0; i < state.size(); ++i)
     if (!system.isHeld(i)) state.velocities[i] = mean + std::min(1.0, scale) * (state.velocities[i] - mean);
 }
@@ -145,8 +146,8 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   report.substeps = 1;
   const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
   solve(system, time + step, step, before.positions, before.velocities, energy, state, report);
-  const double carried = system.carryingWork(time, time + step, before, state);
-  const double allowed = energy + std::max(0.0, remainderWork(state)) + std::max(0.0, carried);
+  report.carrying_work = system.workAgainst(time + step, state, before.positions, state.positions);
+  const double allowed = energy + std::max(0.0, remainderWork(state)) + *report.carrying_work;
   limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
   system.remember(time + step, state);
   report.finite = allFinite(state.positions);
@@ -174,11 +175,12 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
     if (system.isHeld(i)) continue;
     velocity_[i] += rest / part * (state.velocities[i] - before_.velocities[i]);
   }
+  // The work of what moves held points, by the weights of the method.
+  report.carrying_work = system.workAgainst(time + part, state, before_.positions, from_);
   stage_.solve(system, time + step, part, from_, velocity_, energy, state, report);
   work += stage_.remainderWork(state);
-
-  work += std::max(0.0, system.carryingWork(time, time + step, before_, state));
-  const double allowed = energy + std::max(0.0, work);
+  *report.carrying_work += system.workAgainst(time + step, state, from_, state.positions);
+  const double allowed = energy + std::max(0.0, work) + *report.carrying_work;
   const double potential = system.potentialEnergy(time + step, state);
   report.finite = allFinite(state.positions);
   if (report.finite && potential <= allowed) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace deformable_surface::solve {
 namespace {
@@ -76,7 +77,7 @@ bool NewtonDescent::factorize(const Problem& problem, const State& state, model:
   const System& system = problem.system;
   stiffness_.begin(n);
   system.addStiffness(problem.time, state, problem.step, hessian, stiffness_);
-  if (stiffness_.finish()) factor_.analyze(stiffness_.pattern());
+  if (stiffness_.finish(std::exchange(is_first_matrix_, false))) factor_.analyze(stiffness_.pattern());
   const Lists& pattern = stiffness_.pattern();
   double largest = 0.0;
   for (Index j = 0; j < n; ++j) {

@@ -30,6 +30,7 @@ class NewtonDescent {
     projected_in_a_row_ = 0;
     shift_ = last_residual_ = 0.0;
     is_indefinite_ = is_potential_known_ = is_factor_good_ = false;
+    is_first_matrix_ = true;
     interrupt_ = interrupt;
   }
   bool isInterrupted() const { return interrupt_ && *interrupt_; }
@@ -87,6 +88,7 @@ class NewtonDescent {
   Points found_;                                 // by it
   double residual_ = 0.0, last_residual_ = 0.0;  // N, of the last evaluate(), and of the one that the last direction was of
   bool is_factor_good_ = false;                  // it is that of an exact matrix, and the whole of its last direction was taken
+  bool is_first_matrix_ = true;                  // of this solution: its pattern is that of the state, whatever came before
   bool is_indefinite_ = false;                   // in this solution the exact products were not positive
   int projected_in_a_row_ = 0;                   // tentative steps without the exact matrix
   double shift_ = 0.0;                           // 1/s^2; 0 = none was needed yet

@@ -123,7 +123,7 @@ double System::estimateWork(double from, double to, const State& before, const S
 
 double System::estimateStaticWork(double from, double to, const State& before, const State& after) const {
   double work = loadWork(from, to, before, after);
-  if (!hasCarried(before, after)) return work;
+  if (!hasCarried(before.positions, after.positions)) return work;
   placed_ = before;
   for (Index i = 0; i < after.size(); ++i)
     if (held_[i]) placed_.positions[i] = after.positions[i];
@@ -141,20 +141,24 @@ double System::findCarriedStrain(const Points& before, const Points& after) cons
   return std::sqrt(largest);
 }
 
-bool System::hasCarried(const State& before, const State& after) const {
-  for (Index i = 0; i < after.size(); ++i)
-    if (held_[i] && before.positions[i] != after.positions[i]) return true;
+bool System::hasCarried(const Points& before, const Points& after) const {
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (held_[i] && before[i] != after[i]) return true;
   return false;
 }
 
-double System::carryingWork(double from, double to, const State& before, const State& after) const {
+double System::workAgainst(double time, const State& state, const Points& before, const Points& after) const {
   if (!hasCarried(before, after)) return 0.0;
-  computeForcesOnAll(from, before, forces_before_);
-  computeForcesOnAll(to, after, forces_after_);
+  computeForcesOnAll(time, state, forces_on_all_);
   double work = 0.0;
-  for (Index i = 0; i < after.size(); ++i)
-    if (held_[i]) work -= 0.5 * (forces_before_[i] + forces_after_[i]).dot(after.positions[i] - before.positions[i]);
+  for (Index i = 0; i < state.size(); ++i)
+    if (held_[i]) work -= forces_on_all_[i].dot(after[i] - before[i]);
   return work;
+}
+
+double System::carryingWork(double from, double to, const State& before, const State& after) const {
+  return 0.5 * (workAgainst(from, before, before.positions, after.positions) +
+                workAgainst(to, after, before.positions, after.positions));
 }
 
 double System::storedEnergy(double time, const State& state) const {

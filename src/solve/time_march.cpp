@@ -222,8 +222,9 @@ SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state)
   for (Index k = 0; k < parts && total.finite && !isInterrupted(); ++k) {
     const double from = time + k * part;
     portion_start_ = state;
-    add(integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state), total);
-    work_ += system_.estimateWork(from, from + part, portion_start_, state);
+    const SolveReport report = integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state);
+    work_ += *report.carrying_work + system_.loadWork(from, from + part, portion_start_, state);
+    add(report, total);
   }
   return total;
 }
@@ -284,6 +285,7 @@ StepFailure TimeMarch::findFailure(const SolveReport& report, const State& state
     failure.kind = Kind::kGainedEnergy;
     failure.energy_before = guard_.energyBefore();
     failure.energy_after = guard_.energyAfter();
+    failure.work = work_;
     failure.excess = guard_.excess();
   }
   return failure;

@@ -51,6 +51,30 @@ TEST(BlockSparse, AnotherOrderOrFewerBlocksKeepThePattern) {
   }
 }
 
+TEST(BlockSparse, AnExactFillingKeepsOnlyWhatItNamed) {
+  const auto fill = [](bool with_contact, BlockSparse& matrix) {
+    matrix.begin(4);
+    matrix.add(1, 0, blockOf(2.0));
+    if (with_contact) matrix.add(3, 0, blockOf(4.0));
+    matrix.add(2, 1, blockOf(3.0));
+  };
+  BlockSparse matrix, fresh;
+  fill(false, fresh);
+  fresh.finish();
+  fill(true, matrix);
+  EXPECT_TRUE(matrix.finish(true));
+  EXPECT_EQ(matrix.pattern().items.size(), fresh.pattern().items.size() + 1);
+  for (const bool is_changed : {true, false}) {
+    fill(false, matrix);
+    EXPECT_EQ(matrix.finish(true), is_changed);
+    EXPECT_EQ(matrix.pattern().items, fresh.pattern().items);
+    EXPECT_EQ(makeDense(matrix), makeDense(fresh));
+  }
+  fill(true, matrix);
+  EXPECT_TRUE(matrix.finish(true));
+  EXPECT_EQ((makeDense(matrix).block<3, 3>(9, 0)), blockOf(4.0));
+}
+
 TEST(BlockSparse, AFillingThatIsGivenUpLeavesNothingToTheNext) {
   BlockSparse matrix;
   matrix.begin(3);

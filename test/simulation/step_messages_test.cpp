@@ -19,6 +19,7 @@ StepFailure makeFailure(StepFailure::Kind kind) {
   failure.has_implicit = true;
   failure.energy_before = 1.0;
   failure.energy_after = 2.5;
+  failure.work = 0.5;
   failure.excess = 1.25;
   return failure;
 }
@@ -28,7 +29,8 @@ TEST(StepMessages, AFailureIsTheEndOfASentence) {
   EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kInterrupted)), "was interrupted");
   EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kNotFinite)), "gave values that are not finite");
   EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kGainedEnergy)),
-            "gained energy that nothing had put in (from 1.0 to 2.5 J; with the steps before it 1.25 J too much)");
+            "gained energy that nothing had put in (from 1 to 2.5 J, where 0.5 J were put in; with the steps before it 1.25 J "
+            "too much)");
   EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kLeftSpace)).find("moved a point farther than "), 0u);
   StepFailure failure = makeFailure(StepFailure::Kind::kTooManySubsteps);
   EXPECT_EQ(describeFailure(failure),

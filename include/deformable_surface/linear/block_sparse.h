@@ -17,9 +17,9 @@ class BlockSparse {
   /// derivative of row i by column j. For i == j the block must be symmetric.
   void add(Index i, Index j, const Mat3& block);
 
-  /// Ends the filling. True if the pattern has new blocks: a factorisation must be analysed again. A block that is no longer
-  /// named stays in the pattern, as zeros.
-  bool finish();
+  /// Ends the filling. True if the pattern has changed: a factorisation must be analysed again. A block that this filling did not
+  /// name stays in the pattern, as zeros. exactly: it leaves, so that the pattern does not depend on earlier fillings.
+  bool finish(bool exactly = false);
 
   /// After finish(): the rows of each block column, ascending. The diagonal is always present, as the first.
   const Lists& pattern() const { return pattern_; }
@@ -41,12 +41,13 @@ class BlockSparse {
   };
 
   Index find(Index i, Index j) const;
-  void buildPattern();
+  void buildPattern(bool exactly);
   void listRows();
 
   Lists pattern_;
   Lists left_;  // of each row: the place of each block left of the diagonal in values_, and its column
   std::vector<Mat3> values_;
+  std::vector<char> named_;       // of each of them: by this filling, or on the diagonal
   std::vector<Entry> order_;      // of the calls of the longest pass, the newest for each place
   std::size_t next_ = 0;          // place in it
   std::vector<Pending> pending_;  // blocks that are not in the pattern yet

@@ -78,6 +78,8 @@ class System {
   /// Each of these two alone, J.
   double loadWork(double from, double to, const State& before, const State& after) const;
   double carryingWork(double from, double to, const State& before, const State& after) const;
+  /// J, of what moves held points from before to after (n x 3) m against the forces at one state.
+  double workAgainst(double time, const State& state, const Points& before, const Points& after) const;
   /// The same for a search for an equilibrium: held points are moved first, all at once, while the others wait. Then the others
   /// descend. This is exact for any length of the path; the trapezoidal rule is not.
   double estimateStaticWork(double from, double to, const State& before, const State& after) const;
@@ -145,7 +147,7 @@ class System {
   void computeRowBounds(double time, const State& state) const;
   /// The largest of bounds (n) over its mass, of free points.
   double largestRow(const std::vector<double>& bounds) const;
-  bool hasCarried(const State& before, const State& after) const;
+  bool hasCarried(const Points& before, const Points& after) const;
 
   const model::DeformableModel& model_;
   const std::vector<const ExternalLoad*>& loads_;
@@ -155,7 +157,7 @@ class System {
   const MotionLimit* motion_limit_ = nullptr;
   mutable State at_rest_;  // scratch: the positions with velocities of zero
   mutable State placed_;   // scratch: before a step, with held points where they are after it
-  mutable Points forces_, loads_alone_, forces_before_, forces_after_;
+  mutable Points forces_, loads_alone_, forces_on_all_;
   mutable std::vector<double> row_stiffness_, row_damping_;
 };
 

@@ -19,8 +19,9 @@ struct StepFailure {
   // Of kTooManySubsteps: how many it needs, how many are taken at most, and whether the implicit method could take it.
   Index substeps = 0, most_substeps = 0;
   bool has_implicit = false;
-  // Of kGainedEnergy, J: before and after the step, and the energy gained in excess by it and the steps before it.
-  double energy_before = 0.0, energy_after = 0.0, excess = 0.0;
+  // Of kGainedEnergy, J: before and after the step, the work done on the surface in between, and the energy gained in excess by
+  // the step and those before it.
+  double energy_before = 0.0, energy_after = 0.0, work = 0.0, excess = 0.0;
 };
 
 /// A step that gives values that are not finite, leaves all bounds or creates energy is repeated with finer sub-steps, then, by
