@@ -112,6 +112,7 @@ void BlockSparse::buildPattern(bool exactly) {
     }
   }
   listRows();
+  named_.resize(values_.size());
   std::vector<Pending>().swap(pending_);  // the largest array of all, seldom needed again
 }
 
