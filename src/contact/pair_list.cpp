@@ -96,7 +96,6 @@ void PairList::keepWhole(const std::vector<char>& is_whole) {
 }
 
 void PairList::findCrossed() {
-  is_crossed_.assign(rest_.size(), 0);
   std::vector<char> crosses(triangles_.size(), 0);
   for (const auto& edge : edges_) {
     const Vec3 &p = rest_[edge[0]], &q = rest_[edge[1]];
@@ -106,10 +105,12 @@ void PairList::findCrossed() {
       if (are_joined || !pierces(p, q, rest_[v[0]], rest_[v[1]], rest_[v[2]])) return;
       if (std::none_of(crosses.begin(), crosses.end(), [](char c) { return c != 0; })) first_crossing_ = 0.5 * (p + q);
       crosses[t] = 1;
-      is_crossed_[edge[0]] = is_crossed_[edge[1]] = 1;
-      for (const Index i : v) is_crossed_[i] = 1;
+      for (const Index e : edge)
+        for (const Index i : v) crossed_.push_back({std::min(e, i), std::max(e, i)});
     });
   }
+  std::sort(crossed_.begin(), crossed_.end());
+  crossed_.erase(std::unique(crossed_.begin(), crossed_.end()), crossed_.end());
   num_crossed_ = std::count(crosses.begin(), crosses.end(), char{1});
 }
 
@@ -133,24 +134,21 @@ void PairList::update(const Points& positions, double reach) {
   search(positions, std::max(usual_radius_, kSpare * reach));
 }
 
-// Whether the primitives of a pair are connected by an edge.
-bool PairList::areJoined(const Pair& pair) const {
+bool PairList::isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair) {
   for (int v = 0; v < pair.numFirst(); ++v)
     for (int w = pair.numFirst(); w < 4; ++w) {
-      const std::array<Index, 2> edge{std::min(pair.vertices[v], pair.vertices[w]), std::max(pair.vertices[v], pair.vertices[w])};
-      if (std::binary_search(edges_.begin(), edges_.end(), edge)) return true;
+      const Index i = pair.vertices[v], j = pair.vertices[w];
+      if (std::binary_search(couples.begin(), couples.end(), std::array<Index, 2>{std::min(i, j), std::max(i, j)})) return true;
     }
   return false;
 }
 
 void PairList::offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const {
-  for (const Index v : pair.vertices)
-    if (is_crossed_[v]) return;
   const double squared = findClosest(pair, positions).squaredDistance();
-  if (!(squared < radius * radius)) return;
+  if (!(squared < radius * radius) || (!crossed_.empty() && isAnyIn(crossed_, pair))) return;
   const double at_rest = std::sqrt(findClosest(pair, rest_).squaredDistance());
   pair.thickness = std::min(thickness_, kOfRest * at_rest);
-  if (kOfRestJoined * at_rest < thickness_ && areJoined(pair)) pair.thickness = kOfRestJoined * at_rest;
+  if (kOfRestJoined * at_rest < thickness_ && isAnyIn(edges_, pair)) pair.thickness = kOfRestJoined * at_rest;
   if (pair.thickness > 0.0) found.emplace_back(pair, std::sqrt(squared));
 }
 

@@ -98,6 +98,31 @@ TEST(PairList, TakesPartsThatAreNearAtRestForThinnerAndLeavesOutWhatCrosses) {
   none.visitNear(0.003, [&](const Pair& pair) { EXPECT_GT(findClosest(pair, crossing.points).gap.norm(), 0.0); });
 }
 
+TEST(PairList, WhatPassesThroughOneLayerKeepsItsPairsWithOthers) {
+  test::Sheets sheets = test::makeSheets(3, 5, 0.003, 0.0);
+  constexpr Index kTip = 37;  // in the middle of the second layer
+  sheets.points[kTip] += Vec3(0.0011, 0.0007, -0.0035);
+  PairList list(sheets.points, sheets.triangles, 0.002);
+  EXPECT_GT(list.numCrossed(), 0);
+  list.update(sheets.points, 0.02);
+  int num_of_tip = 0, num_below = 0;  // pairs of the tip with the third layer, and of the others with the first
+  list.visitNear(0.02, [&](const Pair& pair) {
+    bool has_tip = false, has_first = false, has_third = false, has_other = false;
+    for (const Index v : pair.vertices) {
+      has_tip = has_tip || v == kTip;
+      has_first = has_first || v < 25;
+      has_third = has_third || v >= 50;
+      has_other = has_other || (v >= 25 && v < 50 && v != kTip);
+    }
+    num_of_tip += has_tip && has_third;
+    num_below += has_other && has_first && !has_tip;
+    if (!has_tip || !has_first) return;
+    for (const Index v : pair.vertices) EXPECT_NE(v, 12) << "a corner of what the tip's edges cross";
+  });
+  EXPECT_GT(num_of_tip, 10);
+  EXPECT_GT(num_below, 50);
+}
+
 TEST(PairList, LeavesOutWhatIsCut) {
   test::Sheets sheets = test::makeSheets(2, 6, 0.004, 0.0005);
   PairList list(sheets.points, sheets.triangles, 0.002);

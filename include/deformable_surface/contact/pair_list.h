@@ -29,7 +29,8 @@ inline Closest findClosest(const Pair& pair, const Points& positions) {
 /// Lists the near pairs, and determines how long the list is valid.
 class PairList {
  public:
-  /// rest: (n) m. thickness: m. Pairs that touch at rest are omitted, and all pairs of triangles that cross others at rest.
+  /// rest: (n) m. thickness: m. Pairs that touch at rest are omitted. So is what passes through each other at rest: all pairs
+  /// that have an end of an edge and a corner of a triangle which that edge crosses.
   PairList(Points rest, const std::vector<Triangle>& triangles, double thickness);
 
   /// Leaves out the triangles that are cut or torn, and the edges that are left without any: (triangles) 1 = whole. Points
@@ -66,7 +67,8 @@ class PairList {
   static constexpr double kUsualReach = 0.5;  // the remainder is the allowed motion until the next search
 
   void findCrossed();
-  bool areJoined(const Pair& pair) const;
+  /// Whether a vertex of each primitive are one of the couples, which are ascending, the lower vertex first.
+  static bool isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair);
   void measureWays(const Points& positions);
   void search(const Points& positions, double radius);
   void offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const;
@@ -78,8 +80,8 @@ class PairList {
   std::vector<char> is_whole_, is_edge_whole_;  // (triangles), (edges); empty: all are
   std::vector<Box> triangle_boxes_, edge_boxes_;
   BoxTree triangle_tree_, edge_tree_;
-  double usual_radius_ = 0.0;     // m, of a search
-  std::vector<char> is_crossed_;  // (n) vertices of triangles that cross others at rest
+  double usual_radius_ = 0.0;                  // m, of a search
+  std::vector<std::array<Index, 2>> crossed_;  // an end of an edge and a corner of a triangle that it crosses at rest
   Index num_crossed_ = 0;
   Vec3 first_crossing_ = Vec3::Zero();
 
