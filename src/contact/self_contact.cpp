@@ -14,6 +14,7 @@ constexpr double kLeast = 0.5;
 constexpr double kOfRoom = 0.9;
 // Factor on a pair's thickness: parts as near as that may touch soon, at any speed.
 constexpr double kWatched = 1.5;
+constexpr double kLongest = 4.0;     // of the usual reach: with longer ways too many pairs would have to be looked at
 constexpr double kAhead = 8.0;       // calls of limit() for which the motion of the present one is predicted
 constexpr Index kMostFailures = 4;   // after each, proofs are tried half as often
 constexpr int kCollisions = 8;       // passes
@@ -101,6 +102,22 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
     if (near.distance + time * rate < watched) return true;
   }
   return false;
+}
+
+bool SelfContact::staysApart(const Points& before, const Points& after) {
+  forgetMotion();
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < motion_.size(); ++i) {
+    motion_[i] = after[i] - before[i];
+    farthest = std::max(farthest, motion_[i].norm());
+  }
+  if (clearance_.prove(before, motion_, 1.0) && clearance_.isApart()) return true;
+  forgetMotion();
+  if (!(farthest < kLongest * list_.usualReach())) return false;
+  reached_ = after;
+  if (!limit(before, reached_).empty()) return false;
+  const std::vector<Near>& all = measure(after, 0.0);
+  return std::none_of(all.begin(), all.end(), touches);
 }
 
 double SelfContact::stiffness(const Pair& pair) const {

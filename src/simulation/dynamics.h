@@ -207,6 +207,7 @@ class Dynamics {
   void carryOut(const Request& request, std::optional<InterruptScope>& scope, Outcome& outcome);
   void beginSelfContact(double dt, std::string& notice);
   void beginToolContact(double now, double dt, Outcome& outcome);
+  solve::TimeMarch::Outcome findMotion(double now, const Request& request);
   solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
   void settleContact(double now, solve::TimeMarch::Outcome& taken);
   std::string describeStopped();
@@ -288,6 +289,7 @@ class Dynamics {
   std::vector<char> patches_;  // (n) see model::Clamping
   std::vector<model::ClampEdge> patch_edges_;
   std::vector<Index> hits_, moving_;                   // moving: points on pins that move in the step
+  State before_search_;                                // of an equilibrium, where it may have to begin again with contact
   std::vector<double> load_stiffness_, load_damping_;  // N/m, N s/m
   mutable Points forces_on_all_;                       // N
 };

@@ -115,7 +115,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   }
   std::optional<State> start;  // of a second search
   if (is_static && request.second_search > 0.0) start = points;
-  const solve::TimeMarch::Outcome taken = advanceFromStart(now, beginElsewhere(request));
+  const solve::TimeMarch::Outcome taken = findMotion(now, request);
   outcome.report = taken.report;
   appendNotice(outcome.notice, describeStep(taken, params_.integrator));
   if (!taken.ok) return refuse(describeFailure(taken.failure), outcome);
@@ -192,6 +192,25 @@ void Dynamics::beginToolContact(double now, double dt, Outcome& outcome) {
   outcome.contact_seconds = contact_timer.seconds();
 }
 
+// An equilibrium is first searched without contact where no parts are near each other. If parts met on the straight way to it, or
+// touch there, the search begins again with contact.
+solve::TimeMarch::Outcome Dynamics::findMotion(double now, const Request& request) {
+  SelfContactLoads* const self = loads_.self_contact.get();
+  if (self) system_.setMotionLimit(&self->limit);
+  if (!self || self->mayAct() || params_.integrator.type != solve::IntegratorType::kStatic)
+    return advanceFromStart(now, beginElsewhere(request));
+  system_.setMotionLimit(nullptr);
+  before_search_ = now_.points;
+  const solve::TimeMarch::Memory memory = march_.memory();
+  const solve::TimeMarch::Outcome taken = advanceFromStart(now, beginElsewhere(request));
+  const bool is_interrupted = interrupt_ && *interrupt_;
+  if (is_interrupted || (taken.ok && self->contact.staysApart(before_search_.positions, now_.points.positions))) return taken;
+  system_.setMotionLimit(&self->limit);
+  now_.points = before_search_;
+  march_.setMemory(memory);
+  return advanceFromStart(now, false);
+}
+
 // The sub-steps. An equilibrium that is not found from elsewhere is searched again from rest.
 solve::TimeMarch::Outcome Dynamics::advanceFromStart(double now, bool is_elsewhere) {
   solve::TimeMarch::Outcome taken = advance(now);
@@ -239,7 +258,7 @@ bool Dynamics::isHeldAround() const {
 // Starts the search for a first equilibrium from that of fewer points, unless cheap steps find it from rest or there are grips:
 // what these clamp can be a hinge to fewer points. Returns whether the state was changed.
 bool Dynamics::beginElsewhere(const Request& request) {
-  if (!request.find_start || loads_.self_contact || params_.integrator.type != solve::IntegratorType::kStatic ||
+  if (!request.find_start || system_.motionLimit() || params_.integrator.type != solve::IntegratorType::kStatic ||
       system_.isOriented() || steps_ > 0)
     return false;
   if (now_.pinned != rest_->pinned || !grips_.isEmpty() || now_.points.positions != rest_->points) return false;

@@ -35,7 +35,7 @@ struct SelfContactForce {
 /// not on earlier calls. Those of limit() also depend on what was called since the last mayTouch().
 class SelfContact {
  public:
-  /// rest: (n) m; masses: (n) kg. Triangles that cross others at rest are never active.
+  /// rest: (n) m; masses: (n) kg. Parts that pass through each other at rest have no contact there: see PairList.
   SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses, const SelfContactParams& params);
 
   /// See PairList.
@@ -45,6 +45,9 @@ class SelfContact {
   /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
   /// changing at its present rate. Checks only the pairs in the usual list, and none if Clearance proves that they stay apart.
   bool mayTouch(const Points& positions, const Points& velocities, double time);
+  /// Whether no two parts cross on straight paths from before to after, (n x 3) m, nor are nearer than their thickness at the
+  /// end. False also where that is not quick to find out, as for paths of several spacings over each other.
+  bool staysApart(const Points& before, const Points& after);
 
   /// Adds the springs' forces, N.
   void addForces(const Points& positions, Points& forces);
@@ -132,7 +135,7 @@ class SelfContact {
 
   Clearance clearance_;
   Index failures_ = 0, pause_ = 0;  // proofs that failed in a row, and calls of limit() until the next one
-  Points motion_;                   // m, scratch
+  Points motion_, reached_;         // m, scratch
   PairList list_;
   const std::vector<double> masses_;
   SelfContactParams params_;
