@@ -11,9 +11,9 @@ struct Options {
   double budget = 0.2;       // s of repetitions per row
   std::string folder = ".";  // where CSV files go
   std::string scene;         // accuracy, simplification, camera, growth, physics: those whose names begin so; empty = all
-  Index first_scene = 4000;  // calibration: seeds of the scenes, by default those that the method was not tuned on
-  Index num_scenes = 240;
-  bool varied = false;  // calibration: of the families of test/support/varied_scene.h
+  Index first_scene = 0;     // calibration, varied targets: seeds of the scenes
+  Index num_scenes = 0;      // 0: those that the part names
+  bool varied = false;       // calibration, targets: scenes of the families of test/support/varied_scene.h
 };
 
 void runSetupSection(const Options& options, Report& report);

@@ -6,6 +6,7 @@
 #include "deformable_surface/base/timer.h"
 #include "sections.h"
 #include "swinging_sheet.h"
+#include "varied_targets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -97,6 +98,7 @@ void addSheet(const Sheet& sheet, Report& report) {
 }  // namespace
 
 void runTargetsSection(const Options& options, Report& report) {
+  if (options.varied) return reportVariedTargets(options, report);
   report.begin("targets", "15. Sheets with what accuracy.position_error chooses for them, one thread",
                {"sheet", "points", "target_m", "estimate_in_run", "simulated", "membrane_share", "met", "set_up_cpu_s",
                 "wall_s_per_simulated_s", "cpu_s_per_simulated_s", "rms_error_m", "largest_error_m", "estimate_m"});
