@@ -195,8 +195,13 @@ std::vector<std::string> checkExpectations(Simulation& simulation) {
   for (const ExpectParams& expect : simulation.params().expect) {
     const double value = computeQuantity(expect.quantity, simulation);
     if (value >= expect.min && value <= expect.max) continue;
-    violations.push_back("expect." + expect.quantity + ": found " + formatReal(value) + " at " + formatReal(simulation.time()) +
-                         " s; accepted: " + formatReal(expect.min) + " to " + formatReal(expect.max));
+    const Statistics now = simulation.statistics();
+    const bool has_number = expect.quantity == "error_estimate" && !now.error_bounded && std::isfinite(now.error_estimate);
+    const std::string why =
+        has_number ? " (error_bounded is false: the estimate, " + formatReal(now.error_estimate) + " m, is no bound)" : "";
+    violations.push_back("expect." + expect.quantity + ": found " + formatReal(value) + why + " at " +
+                         formatReal(simulation.time()) + " s; accepted: " + formatReal(expect.min) + " to " +
+                         formatReal(expect.max));
   }
   return violations;
 }
