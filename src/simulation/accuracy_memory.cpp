@@ -5,6 +5,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +13,8 @@
 #include <iomanip>
 #include <limits>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "state_hash.h"
 
@@ -20,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kFirstLine = "deformable_surface choice 2";  // name and version of the format
+const char* const kPrefix = "choice_";                         // of the names of files
+const char* const kFirstLine = "deformable_surface choice 3";  // name and version of the format
 
 std::string readVariable(const char* name) {
   const char* const value = std::getenv(name);
@@ -82,14 +86,29 @@ bool readType(std::istream& in, solve::IntegratorType& type) {
   return true;
 }
 
+// Errors are ignored: another process may do the same at the same time.
+void removeOldest(const fs::path& folder, std::size_t most) {
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  std::error_code error;
+  for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator(); it.increment(error)) {
+    if (it->path().filename().string().rfind(kPrefix, 0) != 0) continue;
+    std::error_code gone;
+    const fs::file_time_type used = fs::last_write_time(it->path(), gone);
+    if (!gone) files.emplace_back(used, it->path());
+  }
+  if (files.size() <= most) return;
+  std::sort(files.begin(), files.end());
+  for (std::size_t i = 0; i < files.size() - most; ++i) fs::remove(files[i].second, error);
+}
+
 void write(std::ostream& out, const AccuracyChoice::Candidate& c) {
-  out << c.points << ' ' << static_cast<int>(c.integrator) << ' ' << c.may_buckle << ' ';
+  out << c.points << ' ' << static_cast<int>(c.integrator) << ' ' << c.may_buckle << ' ' << c.is_bounded << ' ';
   for (const double value : {c.error, c.step_time, c.membrane_share, c.work}) writeNumber(out, value);
   out << '\n';
 }
 
 bool read(std::istream& in, AccuracyChoice::Candidate& c) {
-  return in >> c.points && readType(in, c.integrator) && in >> c.may_buckle && readNumber(in, c.error) &&
+  return in >> c.points && readType(in, c.integrator) && in >> c.may_buckle >> c.is_bounded && readNumber(in, c.error) &&
          readNumber(in, c.step_time) && readNumber(in, c.membrane_share) && readNumber(in, c.work);
 }
 
@@ -146,7 +165,7 @@ ChoiceMemory::ChoiceMemory(const SceneParams& params, const RestSurface& full) {
   scene.expect.clear();
   std::uint64_t h = hashText(toYaml(printParams(scene)), build);
   h = hashPoints(full.dense.normals, hashPoints(full.dense.positions, h));
-  path_ = folder + "/choice_" + toHexadecimal(h);
+  path_ = folder + "/" + kPrefix + toHexadecimal(h);
 }
 
 // The file is the choice, and in its last line a hash of what is before it: a file that was cut short or changed is not read.
@@ -161,6 +180,9 @@ bool ChoiceMemory::recall(AccuracyChoice& choice) const {
   std::istringstream file(body);
   AccuracyChoice kept;
   if (text.substr(body.size()) != toHexadecimal(hashText(body)) + "\n" || !read(file, kept)) return false;
+  // What is used stays; a folder that cannot be written to is read all the same.
+  std::error_code error;
+  fs::last_write_time(path_, fs::file_time_type::clock::now(), error);
   kept.is_asked = choice.is_asked;
   choice = std::move(kept);
   return true;
@@ -180,7 +202,10 @@ bool ChoiceMemory::keep(const AccuracyChoice& choice) const {
   file << body.str() << toHexadecimal(hashText(body.str())) << '\n';
   file.close();
   if (file) fs::rename(beside, path_, error);
-  if (file && !error) return true;
+  if (file && !error) {
+    removeOldest(fs::path(path_).parent_path(), kMostKeptChoices);
+    return true;
+  }
   fs::remove(beside, error);
   return false;
 }

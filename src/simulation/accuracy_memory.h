@@ -13,6 +13,9 @@ namespace deformable_surface::simulation {
 /// $HOME/.cache/deformable_surface. Empty: there is none.
 std::string findCacheFolder();
 
+/// About five megabytes.
+constexpr int kMostKeptChoices = 1000;
+
 class ChoiceMemory {
  public:
   /// full: the surface that the trials are made of. It remembers nothing if params.accuracy.remember is false. Whatever the
@@ -21,7 +24,8 @@ class ChoiceMemory {
 
   /// False, and the choice is as it was: it was not kept, or the file is damaged.
   bool recall(AccuracyChoice& choice) const;
-  /// False: the folder cannot be written to. Only if isOn().
+  /// Removes the choices that were used longest ago if there are more than kMostKeptChoices then. False: the folder cannot be
+  /// written to. Only if isOn().
   bool keep(const AccuracyChoice& choice) const;
   bool isOn() const { return !path_.empty(); }
 

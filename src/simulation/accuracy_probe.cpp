@@ -15,8 +15,6 @@ constexpr double kMostKept = 2e6;  // points whose positions are kept of a probe
 constexpr double kNewtonFactor = 3.8, kNewtonExponent = 0.8;
 constexpr double kQuasiNewtonWork = 3.0;  // of an iteration, in passes of forces: 0.06 ms beside 0.02 with 400 points
 
-// All trials together may take this share of the work of running all points once.
-constexpr double kShareOfWhole = 1.0 / 3.0;
 // A trial ends when it has taken more than this, about ten seconds of one core, and more than all trials before it.
 constexpr double kMostWork = 1e8;
 
@@ -25,6 +23,12 @@ constexpr double kMostWork = 1e8;
 double WorkBudget::left() const {
   const double all = std::max(free_, kShareOfWhole * whole_) - spent_;
   return std::max(0.0, std::min(all, std::max(kMostWork, spent_)));
+}
+
+std::string sayPoints(Index points, Index of) { return std::to_string(points) + " of " + std::to_string(of) + " points"; }
+
+bool WorkBudget::allows(double work, double whole) const {
+  return spent_ + work <= kShareOfWhole * whole && work <= std::max(kMostWork, spent_);
 }
 
 double newtonWork(Index points) { return kNewtonFactor * std::pow(points, kNewtonExponent); }
@@ -42,7 +46,8 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
   if (tried.membrane_share < 1.0) trial.softenMembrane(tried.membrane_share);
   const Index steps = std::max(Index{1}, static_cast<Index>(std::lround(params.duration / params.integrator.time_step)));
   const Index between = static_cast<Index>(static_cast<double>(tried.points) * steps / kMostKept) + 1;
-  double apart = 0.0;
+  const bool is_static = params.integrator.type == solve::IntegratorType::kStatic;
+  double apart = 0.0, estimate = 0.0;  // m, the largest so far
   Index implicit_steps = 0;
   solve::SolveReport taken;  // of the last sound step
   for (Index k = 1; k <= steps; ++k) {
@@ -56,9 +61,13 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
       probe.looks.push_back(positions);
     }
     if (beside) probe.apart.push_back(apart);
-    const double error = outcome.ok ? trial.bound() + apart : std::numeric_limits<double>::infinity();
-    if (error > probe.candidate.error) probe.time_error = trial.timeError();
-    probe.candidate.error = std::max(probe.candidate.error, error);
+    // Where the search for an equilibrium ended elsewhere, nothing is known of its error.
+    const bool is_sound = outcome.ok && (!is_static || outcome.report.converged);
+    const double now = is_sound ? trial.total() : std::numeric_limits<double>::infinity();
+    if (now > estimate) probe.time_error = trial.timeError();
+    estimate = std::max(estimate, now);
+    probe.candidate.is_bounded = probe.candidate.is_bounded && is_sound && trial.estimator()->isBounded();
+    probe.candidate.error = (probe.candidate.is_bounded ? kErrorOverEstimate : kErrorOverUnbounded) * estimate + apart;
     probe.candidate.may_buckle = trial.estimator()->mayBuckle();
     const double iteration = taken.is_quasi_newton ? kQuasiNewtonWork : newtonWork(tried.points);
     const double substeps = taken.iterations > 0 ? iteration * taken.iterations : taken.substeps;
@@ -68,8 +77,14 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     probe.spent = probe.candidate.work;
     probe.until = static_cast<double>(k) * params.integrator.time_step;
     probe.failed = probe.candidate.error > target;
-    const bool is_hopeless = probe.candidate.error > std::max(target, limits.hopeless);
-    if (!is_hopeless && probe.candidate.work <= limits.most_work) continue;
+    // More points may have a bound, if more can be tried.
+    const double least = limits.hopeless > target ? kErrorOverEstimate * estimate + apart : probe.candidate.error;
+    const bool is_hopeless = probe.failed && least > limits.hopeless;
+    // An estimate of the work from fewer points can be too low. This trial knows it better.
+    const double whole = probe.candidate.work * (static_cast<double>(steps) / k) * limits.whole_over_own;
+    const bool is_affordable =
+        probe.candidate.work <= limits.most_work || (limits.budget && limits.budget->allows(probe.candidate.work, whole));
+    if (!is_hopeless && is_affordable) continue;
     if (k == steps && !is_hopeless) break;
     probe.is_cut = !probe.failed;
     // The cost of the full duration is still reported.

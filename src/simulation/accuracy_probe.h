@@ -3,17 +3,30 @@
 #pragma once
 
 #include "deformable_surface/simulation/accuracy_choice.h"
+#include "deformable_surface/simulation/model_kind.h"
 #include "deformable_surface/simulation/rest_surface.h"
 
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace deformable_surface::simulation {
 
+/// The first number of points tried: its coarser copies still carry a shape, and a step of it costs next to nothing.
+constexpr Index kFewestTried = 8 * kCoarsestPoints;
+
+/// Largest error expected of a run over its largest estimate, if that was a bound at every step, and if it was none: 95 % of runs
+/// stay below. Estimates cover the error at every step; both are at their largest seldom at once. Fitted:
+/// docs/accuracy_control.md.
+constexpr double kErrorOverEstimate = 0.6, kErrorOverUnbounded = 1.5;
+
+/// "N of n points".
+std::string sayPoints(Index points, Index of);
+
 /// The scene itself on fewer points, with the error estimate that will be published.
 struct Probe {
   AccuracyChoice::Candidate candidate;
-  bool failed = false;        // the estimate exceeds the target, a step failed, or it took more work than granted
+  bool failed = false;        // the expected error exceeds the target, a step failed, or it took more work than granted
   bool is_cut = false;        // it failed only for the work: whether it meets the target is unknown
   bool is_whole = false;      // it ran to its end: the error is that of the whole duration
   double until = 0.0;         // s, how far it ran
@@ -23,6 +36,9 @@ struct Probe {
   std::vector<Points> looks;  // positions at regular intervals of steps
   std::vector<double> apart;  // m, after each step the largest distance so far from the probe beside it
 };
+
+/// All trials together may take this share of the work of running all points once.
+constexpr double kShareOfWhole = 1.0 / 3.0;
 
 /// The work of all trials together, see Candidate::work.
 class WorkBudget {
@@ -34,8 +50,11 @@ class WorkBudget {
   /// What running all points once takes, as far as trials of fewer tell.
   void learnWhole(double work) { whole_ = work; }
   double whole() const { return whole_; }
+  double spent() const { return spent_; }
   /// For the next trial.
   double left() const;
+  /// Whether a trial may go on that has done so much work, as running all points takes this much by its own measure.
+  bool allows(double work, double whole) const;
 
  private:
   const double free_;
@@ -45,7 +64,9 @@ class WorkBudget {
 /// When a probe stops early.
 struct ProbeLimits {
   double most_work = std::numeric_limits<double>::infinity();  // see Candidate::work
-  double hopeless = 0.0;  // m: a probe that has missed the target goes on up to this estimate, so that its size is known
+  double hopeless = 0.0;  // m: a probe that has missed the target goes on up to this error, so that its size is known
+  const WorkBudget* budget = nullptr;  // beyond most_work it goes on as long as this allows; null: it does not
+  double whole_over_own = 0.0;         // work of running all points over that of the probe, for the budget
 };
 
 /// Runs a candidate: points, integrator and share of the membrane's stiffness. target: of the accuracy, m.

@@ -27,14 +27,18 @@ bool mayChooseIntegrator(const SceneParams& params) {
 
 void tryVerlet(const SceneParams& params, const RestSurface& full, WorkBudget& budget, Probe& failed, AccuracyChoice& choice) {
   const double target = params.accuracy.position_error;
-  if (!failed.is_implicit || !(failed.candidate.error - failed.time_error <= target)) return;
+  const Candidate& implicit = failed.candidate;
+  if (!failed.is_implicit || !(implicit.error - kErrorOverEstimate * failed.time_error <= target)) return;
+  // Auto left Verlet because its sub-steps are more than this.
+  const double steps = std::round(params.duration / params.integrator.time_step);
+  if (steps * params.integrator.max_substeps * implicit.points > budget.left()) return;
   Candidate tried;
   tried.points = failed.candidate.points;
   tried.integrator = IntegratorType::kVerlet;
   Probe probe = probeError(params, full, tried, target, nullptr, {budget.left()});
   budget.spend(probe.spent);
   choice.candidates.push_back(probe.candidate);
-  if (probe.failed) return;
+  if (probe.failed || !probe.candidate.is_bounded) return;
   choice.why_integrator = "with verlet's sub-steps, though they are more than integrator.max_substeps " +
                           std::to_string(params.integrator.max_substeps) + ": implicit steps damp by more than the target";
   failed = std::move(probe);
@@ -56,7 +60,7 @@ void chooseIntegrator(const SceneParams& params, const RestSurface& full, WorkBu
   Probe probe = probeError(params, full, tried, params.accuracy.position_error, beside, {std::min(budget.left(), worthwhile)});
   budget.spend(probe.spent);
   choice.candidates.push_back(probe.candidate);
-  if (probe.failed) return;
+  if (probe.failed || !probe.candidate.is_bounded) return;
   choice.why_integrator = std::string("integrator ") + nameOf(tried.integrator) + ", whose trial took " +
                           formatShort(probe.candidate.work / choice.work) + " of the work of " +
                           (was_softened        ? "verlet's with a softer membrane"
@@ -85,7 +89,8 @@ void compareIntegrators(const SceneParams& params, const RestSurface& full, Inte
       tried.points = points;
       tried.integrator = type;
       choice.candidates.push_back(probeError(beginning, full, tried, std::numeric_limits<double>::infinity()).candidate);
-      return choice.candidates.back().error;
+      const Candidate& found = choice.candidates.back();
+      return found.is_bounded ? found.error : std::numeric_limits<double>::infinity();
     };
     const double error = estimate(choice.points, IntegratorType::kAuto), error_of_other = estimate(with_other.points, other);
     if (!(error_of_other < error)) return;

@@ -1,6 +1,7 @@
 #include "rest_steps.h"
 
 #include "deformable_surface/cloud/geodesics.h"
+#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/row_spacing.h"
@@ -10,7 +11,7 @@
 #include <cmath>
 #include <utility>
 
-#include "accuracy.h"
+#include "accuracy_probe.h"
 #include "parts.h"
 #include "rest_parts.h"
 #include "unconstrained_parts.h"

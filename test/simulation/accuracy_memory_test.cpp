@@ -8,6 +8,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -105,6 +106,31 @@ TEST_F(ChoiceMemory, IsOfOneSceneAndOneCloud) {
   expected.expect = {{"max_speed", 0.0, 1.0}};
   expected.threads = 2;
   EXPECT_TRUE(isRecalled(Simulation(expected, strip())));
+}
+
+TEST_F(ChoiceMemory, RemovesWhatWasUsedLongestAgoFromAFullFolder) {
+  const Simulation first(stiffStrip(), strip());
+  const fs::path used = fs::directory_iterator(folder_)->path();
+  // Others, of the last minutes; the two oldest are the choice above and number 0. A file of somebody else stays.
+  const fs::file_time_type now = fs::file_time_type::clock::now();
+  const auto pathOf = [&](int number) { return folder_ / ("choice_other" + std::to_string(number)); };
+  const int others = simulation::kMostKeptChoices - 1;
+  for (int i = 0; i < others; ++i) {
+    std::ofstream(pathOf(i)) << i;
+    fs::last_write_time(pathOf(i), now - std::chrono::seconds(others - i + 10));
+  }
+  std::ofstream(folder_ / "notes.txt") << "mine";
+  fs::last_write_time(folder_ / "notes.txt", now - std::chrono::hours(1));
+  fs::last_write_time(used, now - std::chrono::hours(1));
+  EXPECT_TRUE(isRecalled(Simulation(stiffStrip(), strip())));  // which makes it the newest
+  SceneParams denser = stiffStrip();
+  denser.material.density *= 1.01;
+  EXPECT_FALSE(isRecalled(Simulation(denser, strip())));
+  EXPECT_EQ(countFiles(), simulation::kMostKeptChoices + 1);
+  EXPECT_TRUE(fs::exists(used));
+  EXPECT_FALSE(fs::exists(pathOf(0)));
+  EXPECT_TRUE(fs::exists(pathOf(1)));
+  EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
 }
 
 TEST_F(ChoiceMemory, ReadsNothingOutOfADamagedFileAndReplacesIt) {

@@ -15,7 +15,7 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using solve::IntegratorType;
 
-// The largest estimate of a trial with so many points.
+// The largest error expected by a trial with so many points.
 double tryOut(const SceneParams& scene, const cloud::PointCloud& cloud, Index points) {
   simulation::AccuracyChoice::Candidate tried;
   tried.points = points;
@@ -28,7 +28,7 @@ double tryOut(const SceneParams& scene, const cloud::PointCloud& cloud, Index po
   return error;
 }
 
-// The same for a run, up to the first estimate that is no bound, where a trial ends.
+// The same for a run.
 double runWith(SceneParams scene, const cloud::PointCloud& cloud, Index points) {
   scene.simplification = cloud::SimplificationParams();
   if (points < cloud.size()) {
@@ -37,12 +37,16 @@ double runWith(SceneParams scene, const cloud::PointCloud& cloud, Index points) 
     scene.simplification.method = cloud::SimplificationMethod::kNone;
   }
   Simulation s(scene, cloud);
-  double error = 0.0;
+  double estimate = 0.0;
+  bool is_bounded = true;
   const int steps = static_cast<int>(std::lround(scene.duration / scene.integrator.time_step));
-  for (int k = 0; k < steps && std::isfinite(error); ++k)
-    error = std::max(error, s.step().ok && s.statistics().error_bounded ? s.statistics().error_estimate
-                                                                        : std::numeric_limits<double>::infinity());
-  return error;
+  for (int k = 0; k < steps; ++k) {
+    EXPECT_TRUE(s.step().ok);
+    const simulation::Statistics now = s.statistics();
+    estimate = std::max(estimate, now.error_estimate);
+    is_bounded = is_bounded && now.error_bounded;
+  }
+  return estimate * (is_bounded ? simulation::kErrorOverEstimate : simulation::kErrorOverUnbounded);
 }
 
 void expectTheSame(const SceneParams& scene, const cloud::PointCloud& cloud, const std::string& name) {
@@ -76,6 +80,29 @@ TEST(AccuracyProbe, IsTheRunOfScenesDrawnAtRandom) {
     scene.params.duration = std::min(scene.params.duration, 2.0 * scene.params.integrator.time_step);
     expectTheSame(scene.params, scene.cloud, std::to_string(seed) + " " + scene.name);
   }
+}
+
+TEST(AccuracyProbe, EndsWhenItsWorkIsSpentWithoutKnowingItsError) {
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  simulation::AccuracyChoice::Candidate tried;
+  tried.points = 128;
+  tried.integrator = p.integrator.type;
+  simulation::Probe whole, cut;
+  simulation::buildRestSurface(p, strip(), simulation::kCoarsestPoints, [&](const RestSurface& full) {
+    whole = simulation::probeError(p, full, tried, 1.0);
+    cut = simulation::probeError(p, full, tried, 1.0, nullptr, {0.25 * whole.spent});
+    return Index{128};
+  });
+  EXPECT_TRUE(whole.is_whole);
+  EXPECT_FALSE(whole.failed || whole.is_cut);
+  EXPECT_TRUE(cut.failed);
+  EXPECT_TRUE(cut.is_cut);
+  EXPECT_FALSE(cut.is_whole);
+  EXPECT_LT(cut.until, 0.5 * p.duration);
+  EXPECT_GT(cut.spent, 0.25 * whole.spent);
+  EXPECT_LT(cut.spent, 0.5 * whole.spent);
+  EXPECT_GT(cut.candidate.work, 2.0 * cut.spent);  // of the whole duration
+  EXPECT_LE(cut.candidate.error, whole.candidate.error);
 }
 
 }  // namespace

@@ -236,5 +236,26 @@ TEST(IntegratorChoice, OfATimePerStepTakesImplicitStepsWhereTheyAloneFitAndNotFo
   EXPECT_EQ(compare(p, 128, 144).integrator, IntegratorType::kAuto);
 }
 
+TEST(IntegratorChoice, TriesVerletOnlyIfItsSubStepsAreWithinTheBudget) {
+  const SceneParams p = swingingSheet();
+  simulation::Probe failed;
+  failed.candidate.points = 128;
+  failed.candidate.error = 2.0 * p.accuracy.position_error;
+  failed.time_error = 10.0 * p.accuracy.position_error;  // the steps' damping is what missed the target
+  failed.is_implicit = true;
+  // Auto has left Verlet, which takes more sub-steps than max_substeps in each step.
+  const double least = static_cast<double>(countSteps(p)) * p.integrator.max_substeps * failed.candidate.points;
+  for (const double share : {0.5, 2.0}) {
+    simulation::AccuracyChoice choice;
+    simulation::WorkBudget budget(share * least);
+    simulation::Probe probe = failed;
+    simulation::buildRestSurface(p, sheetCloud(20), simulation::kCoarsestPoints, [&](const simulation::RestSurface& full) {
+      simulation::tryVerlet(p, full, budget, probe, choice);
+      return Index{128};
+    });
+    EXPECT_EQ(choice.candidates.size(), share < 1.0 ? 0u : 1u) << share;
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -13,12 +13,13 @@ struct AccuracyChoice {
   /// A number of simulation points that was tried, with an integrator and a share of the membrane's stiffness.
   struct Candidate {
     Index points = 0;
-    double error = 0.0;      // m, largest estimate of the probe as far as it ran; 0 if it was tried for its time
+    double error = 0.0;      // m, largest error expected of the probe as far as it ran; 0 if it was tried for its time
     double step_time = 0.0;  // s of wall time per step; 0 if it was tried for its error
     double membrane_share = 1.0;
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;
     double work = 0.0;        // points times sub-steps in all, or an equivalent time; 0 if only its time was measured
     bool may_buckle = false;  // see Statistics
+    bool is_bounded = true;   // its estimate was a bound at every step
   };
 
   bool is_asked = false;        // the scene asks for an accuracy or for a time
@@ -28,9 +29,9 @@ struct AccuracyChoice {
   solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // chosen in the place of auto; else that of the scene
   std::vector<double> softening;  // m, by step: how far a point of the trial had been from where it was with the stated membrane
                                   // and verlet; empty if those are taken
-  double error = 0.0;       // m, largest estimate of its trial, of untried all points that of the steps; 0 if chosen by time
-  double work = 0.0;        // of its trial, as a candidate's
-  bool may_buckle = false;  // in its trial
+  double error = 0.0;  // m, largest error expected by its trial, of untried all points that of the steps; 0 if chosen by time
+  double work = 0.0;   // of its trial, as a candidate's
+  bool may_buckle = false;            // in its trial
   std::vector<Candidate> candidates;  // in the order of trying
   std::string why_integrator;         // reason for another integrator than that of auto; else empty
   std::string sentence;               // the choice and its reason; empty without an accuracy target

@@ -1,0 +1,114 @@
+// Choices by the expected error: targets are met, or a message says that they are not.
+#include "../../src/simulation/choice_by_error.h"
+
+#include "../../src/simulation/accuracy_probe.h"
+#include "sagging_strip.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+using solve::IntegratorType;
+
+TEST(ChoiceByError, HonoursAPositionErrorWithNoMorePointsThanItNeeds) {
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  const cloud::PointCloud cloud = strip();
+  const Points truth = findTruth(p, cloud);
+  Index previous = 0;
+  for (double target : {0.1, 0.02}) {
+    p.accuracy.position_error = target;
+    Simulation s(p, cloud);
+    const simulation::AccuracyChoice& choice = s.accuracyChoice();
+    EXPECT_TRUE(choice.is_met) << choice.sentence;
+    EXPECT_EQ(s.state().size(), choice.points);
+    EXPECT_NE(choice.sentence.find(std::to_string(choice.points) + " of "), std::string::npos) << choice.sentence;
+    EXPECT_EQ(s.buildNotes().back(), choice.sentence);
+    EXPECT_GE(choice.points, previous);
+    previous = choice.points;
+    run(s, 30);
+    EXPECT_LE(simulation::kErrorOverEstimate * s.statistics().error_estimate, target);
+    EXPECT_LE(findLargestDistance(s.surface(false).positions, truth), target);
+  }
+  EXPECT_LT(previous, cloud.size());
+}
+
+TEST(ChoiceByError, SaysOnceWhenTheEstimateGrowsBeyondTheTargetLater) {
+  // The trial covers only the first hundredth of a second, in which the strip hardly moves.
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  p.duration = 0.01;
+  p.accuracy.position_error = 2e-3;
+  Simulation s(p, strip());
+  EXPECT_TRUE(s.accuracyChoice().is_met) << s.accuracyChoice().sentence;
+  int times_said = 0;
+  for (int k = 0; k < 40; ++k) times_said += s.step().notice.find("beyond accuracy.position_error") != std::string::npos;
+  EXPECT_GT(simulation::kErrorOverEstimate * s.statistics().error_estimate, p.accuracy.position_error);
+  EXPECT_EQ(times_said, 1);
+}
+
+TEST(ChoiceByError, SaysThatATargetCannotBeMet) {
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  p.accuracy.position_error = 1e-13;
+  const Simulation s(p, strip());
+  EXPECT_FALSE(s.accuracyChoice().is_met);
+  EXPECT_EQ(s.state().size(), strip().size());
+  EXPECT_NE(s.accuracyChoice().sentence.find("cannot be met"), std::string::npos) << s.accuracyChoice().sentence;
+}
+
+TEST(ChoiceByError, TakesAllPointsOfASmallCloudHoweverManyStepsAnEquilibriumIsAskedFor) {
+  SceneParams p = hangingSheet();
+  p.simplification = cloud::SimplificationParams();
+  p.material.young_modulus = 1e6;
+  p.integrator.type = IntegratorType::kStatic;
+  p.duration = 200.0 * p.integrator.time_step;
+  p.accuracy.position_error = 1e-5;
+  const Simulation s(p, sheetCloud(22));
+  const simulation::AccuracyChoice& choice = s.accuracyChoice();
+  EXPECT_TRUE(choice.is_met) << choice.sentence;
+  EXPECT_EQ(choice.points, 484) << choice.sentence;
+  EXPECT_EQ(choice.error, 0.0);
+  // All points are what an equilibrium is measured by: they need no trial.
+  ASSERT_EQ(choice.candidates.size(), 1u);
+  EXPECT_EQ(choice.candidates[0].points, 128);
+}
+
+TEST(ChoiceByError, IsNotMetWhereTrialsFoundNoBalance) {
+  SceneParams p = saggingStrip(IntegratorType::kStatic);
+  p.simplification = cloud::SimplificationParams();
+  p.integrator.max_iterations = 1;
+  p.duration = 20.0 * p.integrator.time_step;
+  p.accuracy.position_error = 0.5;
+  const Simulation s(p, sheetCloud(22));
+  const simulation::AccuracyChoice& choice = s.accuracyChoice();
+  EXPECT_FALSE(choice.is_met) << choice.sentence;
+  EXPECT_EQ(choice.sentence.find("the error of the steps is estimated"), std::string::npos) << choice.sentence;
+}
+
+TEST(ChoiceByError, DoesNotCountATargetAsMetIfTheFirstTrialTookTooMuchWork) {
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  p.accuracy.position_error = 0.1;
+  const auto chooseWith = [&](double most_first) {
+    simulation::AccuracyChoice choice;
+    simulation::buildRestSurface(p, strip(), simulation::findCoarsest(p), [&](const simulation::RestSurface& full) {
+      simulation::chooseByError(p, full, choice, most_first);
+      return choice.points;
+    });
+    return choice;
+  };
+  const simulation::AccuracyChoice whole = chooseWith(simulation::kMostFirst);
+  ASSERT_TRUE(whole.is_met) << whole.sentence;
+  ASSERT_LT(whole.points, strip().size());
+  // The same trial, ended after a third of its work.
+  const simulation::AccuracyChoice cut = chooseWith(whole.candidates[0].work / 3.0);
+  EXPECT_FALSE(cut.is_met) << cut.sentence;
+  EXPECT_EQ(cut.points, strip().size());
+  ASSERT_EQ(cut.candidates.size(), 1u);
+  EXPECT_EQ(cut.candidates[0].points, whole.candidates[0].points);
+  EXPECT_NEAR(cut.candidates[0].work, whole.candidates[0].work, 0.2 * whole.candidates[0].work);  // as if it had not ended
+  EXPECT_NE(cut.sentence.find("where the trial of 128 points ended"), std::string::npos) << cut.sentence;
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
