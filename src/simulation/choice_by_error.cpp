@@ -150,7 +150,7 @@ class ChoiceByError {
     choice_.is_met = probe.candidate.is_bounded;
     if (!choice_.is_met) {
       choice_.sentence = asked_ + "expected of " + sayPoints(choice_.points, n_) +
-                         ", the fewest tried whose estimated error over " + formatReal(params_.duration) + " s stays below it (" +
+                         ", the fewest tried whose expected error over " + formatReal(params_.duration) + " s stays below it (" +
                          sayError() + "), but not for certain: the estimate is no bound there";
       return true;
     }
@@ -158,7 +158,7 @@ class ChoiceByError {
     if (mayChooseIntegrator(params_)) chooseIntegrator(params_, full_, budget_, probe, choice_);
     choice_.sentence = asked_ + sayPoints(choice_.points, n_) +
                        (choice_.points < n_ ? " simulated, the fewest tried whose" : " simulated, whose") +
-                       " estimated error over " + formatReal(params_.duration) + " s stays below it (" + sayError() + ")";
+                       " expected error over " + formatReal(params_.duration) + " s stays below it (" + sayError() + ")";
     if (choice_.membrane_share < 1.0)
       choice_.sentence += ", with " + formatReal(choice_.membrane_share) +
                           " of the stated membrane stiffness, for which that holds, too (sub-steps are fewer)";
@@ -229,11 +229,11 @@ class ChoiceByError {
       if (!choice_.is_met) choice_.sentence += " over the first " + formatShort(last.until) + " s, where " + trial;
     } else if (is_all) {
       choice_.sentence = asked_ +
-                         "cannot be met for certain even with every point simulated, which is chosen; the estimated error was " +
+                         "cannot be met for certain even with every point simulated, which is chosen; the expected error was " +
                          sayError() + " where " + trial;
     } else if (points == last.candidate.points) {
       choice_.sentence = asked_ + (last.is_cut ? "not known to be met by " : "not met by ") + sayPoints(points, n_) +
-                         ", the most whose trial is affordable, which are chosen; its estimated error was " + sayError() +
+                         ", the most whose trial is affordable, which are chosen; its expected error was " + sayError() +
                          " after " + formatShort(last.until) + " s, where the trial ended";
     } else {
       choice_.sentence = asked_ + sayPoints(points, n_) + " simulated, as many as it probably takes by trials of up to " +
