@@ -182,10 +182,12 @@ class ContactSceneMaker {
     foldTwice();
     for (int k = 0; k < 3; ++k) {
       tool::ToolParams rod = makeTool("needle" + std::to_string(k), geometry::Solid::Kind::kCylinder);
-      rod.shape.radius = 0.006;
+      rod.shape.radius = 0.75 * side_ / (across_ - 1);  // tools touch points: a thinner one would pass between them
       rod.shape.height = 0.2;
-      const Vec3 at(draw(0.05, 0.12), draw(-0.12, 0.0), 0.0);
-      rod.path = {{1.0, at + 0.25 * Vec3::UnitZ(), kUpright}, {1.3, at + 0.11 * Vec3::UnitZ(), kUpright}};
+      const Vec3 at(draw(0.03, 0.1), draw(-0.13, -0.08), 0.0);
+      // Down to half the height of the four layers.
+      const double end = 0.5 * rod.shape.height + 2.0 * scene_.params.material.thickness;
+      rod.path = {{1.0, at + 0.25 * Vec3::UnitZ(), kUpright}, {1.3, at + end * Vec3::UnitZ(), kUpright}};
       scene_.params.tools.push_back(rod);
     }
     return std::move(scene_);
