@@ -66,6 +66,19 @@ TEST(NeighborList, LeavesOutThoseThatAreApartAndWhatDescendsFromThem) {
   EXPECT_EQ(listOf(lists, 1), (std::vector<Index>{0, 2, 3, 4}));
   EXPECT_EQ(listOf(lists, 2), (std::vector<Index>{1, 3, 4}));
   EXPECT_EQ(listOf(lists, 3), (std::vector<Index>{1, 2, 4}));
+  const auto apartOf = [&](Index i) {
+    std::vector<Index> found;
+    for (const NeighborList::Apart* j = lists.beginApart(i); j != lists.endApart(i); ++j) found.push_back(j->particle);
+    return found;
+  };
+  EXPECT_EQ(apartOf(0), (std::vector<Index>{2, 3}));
+  EXPECT_EQ(apartOf(1), std::vector<Index>{});
+  EXPECT_EQ(apartOf(3), std::vector<Index>{0});
+  // Only those that can come within their range before the next rebuild.
+  lists.setApartRanges({0.025 - kSkin, 0.025 - kSkin});
+  ASSERT_TRUE(lists.update(row, traits));
+  EXPECT_EQ(apartOf(0), std::vector<Index>{2});
+  lists.setApartRanges({});
   // The first one is removed. No other particle has moved, but other pairs are apart.
   traits[0].ancestor = 4;
   lists.forget();

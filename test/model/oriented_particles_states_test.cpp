@@ -87,6 +87,101 @@ TEST(OrientedParticlesStates, WithoutDampingEnergyStaysAndMomentaAreKept) {
   EXPECT_LT((angular_after - angular).norm(), 1e-11 * size * kSpacing);
 }
 
+/// Two particles that are kept apart, `line` from each other.
+State makePair(const Vec3& line) {
+  State s = emptyState(2);
+  s.positions[1] = line;
+  for (Index i = 0; i < 2; ++i) s.traits[i].ancestor = i;
+  return s;
+}
+OrientedParticles makePairModel() {
+  Lists apart;
+  apart.items = {1, 0};
+  apart.offsets = {0, 1, 2};
+  return OrientedParticles(Points(2, Vec3::Zero()), Points(2, Vec3::UnitZ()), kSpacing, thickSheet(), allTerms(), apart);
+}
+
+TEST(OrientedParticlesStates, PairsThatAreKeptApartRepelBelowHalfASpacing) {
+  std::mt19937 generator(12);
+  OrientedParticles particles = makePairModel();
+  for (const double share : {0.02, 0.2, 0.4, 0.499, 0.501, 0.9}) {
+    const State s = makePair(share * kSpacing * randomVector(generator).normalized());
+    Points forces, torques;
+    evaluate(particles, s, forces, torques);
+    EXPECT_EQ(forces[0], -forces[1]);
+    EXPECT_EQ(torques[0], Vec3::Zero());
+    EXPECT_LT(forces[1].cross(s.positions[1]).norm(), 1e-15 * kSpacing * std::max(1.0, forces[1].norm()));
+    EXPECT_EQ(forces[1].dot(s.positions[1]) > 0.0, share < 0.5) << share;
+    const double h = 1e-6 * kSpacing;
+    for (int a = 0; a < 3; ++a) {
+      State more = s, less = s;
+      more.positions[1][a] += h;
+      less.positions[1][a] -= h;
+      const double slope = (particles.elasticEnergy(more) - particles.elasticEnergy(less)) / (2.0 * h);
+      const double largest_force = 10.0 * particles.energyScale() / kSpacing;
+      EXPECT_NEAR(forces[1][a], -slope, 1e-7 * largest_force) << share;
+    }
+  }
+  // In one place they part along the surface.
+  Points forces, torques;
+  evaluate(particles, makePair(Vec3::Zero()), forces, torques);
+  EXPECT_GT(forces[0].norm(), 0.0);
+  EXPECT_EQ(forces[0], -forces[1]);
+  EXPECT_EQ(forces[0].z(), 0.0);
+}
+
+TEST(OrientedParticlesStates, LayersOfAThinBodyRepelOnlyBelowTheirDistanceAtRest) {
+  Points forces, torques;
+  const auto pushAt = [&](const OrientedParticles& particles, const Vec3& line) {
+    evaluate(particles, makePair(line), forces, torques);
+    return forces[1].norm();
+  };
+  const Vec3 above(0.0, 0.0, 0.2 * kSpacing), beside(0.2 * kSpacing, 0.0, 0.0);
+  OrientedParticles layers = makePairModel();
+  EXPECT_GT(pushAt(layers, above), 0.0);
+  layers.keepLayers(makePair(above));
+  EXPECT_EQ(pushAt(layers, above), 0.0);
+  EXPECT_EQ(pushAt(layers, 1.01 * above), 0.0);
+  EXPECT_GT(pushAt(layers, 0.99 * above), 0.0);
+  OrientedParticles row = makePairModel();
+  row.keepLayers(makePair(beside));
+  EXPECT_GT(pushAt(row, 2.0 * beside), 0.0);
+}
+
+TEST(OrientedParticlesStates, PairsThatAreKeptApartKeepEnergyAndMomentaWhenTheyMeet) {
+  for (const double off : {0.0, 0.01, 0.1, 0.3}) {
+    SCOPED_TRACE(off);
+    OrientedParticles particles = makePairModel();
+    State s = makePair(Vec3(0.6 * kSpacing, off * kSpacing, 0.0));
+    // Slow enough to turn back, and fast enough to pass.
+    for (const double speed : {0.02, 0.5}) {
+      State run = s;
+      const double most = speed * kSpacing / particles.findStableStep(makePair(0.1 * kSpacing * Vec3::UnitX()));
+      run.velocities = {Vec3(most, 0.0, 0.0), Vec3(-most, 0.0, 0.0)};
+      World world(particles);
+      const double step = 0.02 * particles.findStableStep(makePair(0.1 * kSpacing * Vec3::UnitX()));
+      const auto energyOf = [&] { return particles.elasticEnergy(run) + world.system.kineticEnergy(run); };
+      const auto turning = [&] {
+        return Vec3(run.positions[0].cross(run.velocities[0]) + run.positions[1].cross(run.velocities[1]));
+      };
+      const double kinetic = world.system.kineticEnergy(run), before = energyOf();
+      const Vec3 angular = turning();
+      const auto verlet = solve::makeIntegrator(IntegratorType::kVerlet, {}, true);
+      double least = 1.0;
+      for (int k = 0; k < 10000 && least > 0.0; ++k) {
+        ASSERT_TRUE(verlet->advance(world.system, 0.0, step, step, run).finite);
+        const double d = (run.positions[1] - run.positions[0]).norm() / kSpacing;
+        least = std::min(least, d);
+        if (d > 0.7) break;
+      }
+      EXPECT_LT(least, 0.5);
+      EXPECT_NEAR(energyOf(), before, 0.02 * kinetic);
+      EXPECT_LT((run.velocities[0] + run.velocities[1]).norm(), 1e-12 * most);
+      EXPECT_LT((turning() - angular).norm(), 1e-11 * most * kSpacing);
+    }
+  }
+}
+
 TEST(OrientedParticlesStates, TimeRunsBackwardsAsWell) {
   State s = hexagonalPatch(4, 5);
   s.positions = perturb(s.positions, 0.02 * kSpacing);

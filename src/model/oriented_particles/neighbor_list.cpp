@@ -45,6 +45,9 @@ bool NeighborList::update(const Points& positions, const std::vector<ParticleTra
   parted_begins_.resize(cuts.isEmpty() ? 0 : n);
   parted_counts_.resize(parted_begins_.size());
   parted_.resize(cuts.isEmpty() ? 0 : blocks_.size());
+  apart_begins_.resize(apart_.items.empty() ? 0 : n);
+  apart_counts_.resize(apart_begins_.size());
+  near_apart_.resize(apart_.items.empty() ? 0 : blocks_.size());
   sortIntoBins(positions);
   is_valid_ = listNeighbors(positions, traits, cuts);
   rebuilt_at_ = positions;
@@ -106,19 +109,33 @@ void NeighborList::sortIntoBins(const Points& positions) {
 bool NeighborList::listNeighbors(const Points& positions, const std::vector<ParticleTraits>& traits, const ParticleCuts& cuts) {
   const double reach = radius_ + skin_, most = reach * reach;
   const Index n = static_cast<Index>(positions.size());
-  // Removes particles that are kept apart from i from its neighbours.
+  // Moves particles that are kept apart from i from its neighbours to a list of their own.
   const auto removeApart = [&](Index i, Index* near, Index count) {
+    std::vector<Apart>& list = near_apart_[i / kBlock];
+    apart_begins_[i] = static_cast<Index>(list.size());
+    apart_counts_[i] = 0;
     const Index first = traits[i].ancestor;
     if (first >= apart_.size()) return count;
-    return static_cast<Index>(
-        std::remove_if(near, near + count,
-                       [&](Index j) { return std::binary_search(apart_.begin(first), apart_.end(first), traits[j].ancestor); }) -
-        near);
+    Index kept = 0;
+    for (Index k = 0; k < count; ++k) {
+      const Index j = near[k], other = traits[j].ancestor;
+      const Index* found = std::lower_bound(apart_.begin(first), apart_.end(first), other);
+      if (found == apart_.end(first) || *found != other) {
+        near[kept++] = j;
+        continue;
+      }
+      const double range = apart_ranges_.empty() ? radius_ : apart_ranges_[found - apart_.items.data()];
+      // Others are out of reach until the next rebuild.
+      if ((positions[j] - positions[i]).norm() <= range + skin_) list.push_back({j, range});
+    }
+    apart_counts_[i] = static_cast<Index>(list.size()) - apart_begins_[i];
+    return kept;
   };
   const double overfull = parallelSum(n, kBlock, [&](Index first, Index last) {
     std::vector<Index>& list = blocks_[first / kBlock];
     list.clear();
     if (!cuts.isEmpty()) parted_[first / kBlock].clear();
+    if (hasApart()) near_apart_[first / kBlock].clear();
     Index near[kMostNeighbors];
     double too_many = 0.0;
     for (Index i = first; i < last; ++i) {
@@ -153,8 +170,8 @@ bool NeighborList::listNeighbors(const Points& positions, const std::vector<Part
             for (Index bin : {(middle - 1) & mask_, middle, (middle + 1) & mask_}) take(starts_[bin], starts_[bin + 1], row);
           }
         }
-      if (!apart_.items.empty()) count = removeApart(i, near, count);
       std::sort(near, near + count);
+      if (hasApart()) count = removeApart(i, near, count);
       if (!cuts.isEmpty()) {
         std::vector<Index>& parted = parted_[first / kBlock];
         parted_begins_[i] = static_cast<Index>(parted.size());
@@ -180,11 +197,13 @@ bool NeighborList::listNeighbors(const Points& positions, const std::vector<Part
 
 std::size_t NeighborList::bytes() const {
   std::size_t sum = rebuilt_at_.capacity() * sizeof(Vec3) + slots_.capacity() * sizeof(Slot);
-  for (const std::vector<Index>* v :
-       {&begins_, &counts_, &bins_, &starts_, &parted_begins_, &parted_counts_, &apart_.offsets, &apart_.items})
+  for (const std::vector<Index>* v : {&begins_, &counts_, &bins_, &starts_, &parted_begins_, &parted_counts_, &apart_begins_,
+                                      &apart_counts_, &apart_.offsets, &apart_.items})
     sum += v->capacity() * sizeof(Index);
   for (const auto* blocks : {&blocks_, &parted_})
     for (const std::vector<Index>& block : *blocks) sum += block.capacity() * sizeof(Index);
+  for (const std::vector<Apart>& block : near_apart_) sum += block.capacity() * sizeof(Apart);
+  sum += apart_ranges_.capacity() * sizeof(double);
   return sum;
 }
 

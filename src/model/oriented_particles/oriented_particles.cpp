@@ -13,7 +13,10 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 256;
-constexpr double kSkin = 0.3;        // of the distance r0: a good trade between listing too much and listing too often
+constexpr double kSkin = 0.3;  // of the distance r0: a good trade between listing too much and listing too often
+// Of the spacing: particles that are kept apart repel below it. Far below the distance of neighbours, as side by side they are in
+// one lattice; the energy of two in one place is then several times that of a bond.
+constexpr double kApart = 0.5;
 constexpr double kLinkLength = 1.3;  // of the spacing: between the first neighbours of a lattice and the second
 // Of the spacing, longest edge of triangles: the diagonal of two lattice triangles is not a gap, a missing particle is.
 constexpr double kLongestEdge = 1.75;
@@ -81,6 +84,28 @@ void OrientedParticles::setRest(const State& state) {
     const Mat3 curvature = turnCurvatureToWorld(state.orientations[i], state.traits[i].rest_curvature);
     rest_curvatures_.push_back(turnCurvatureToFrame(turnFromZ(normals_.back()), curvature));
   }
+}
+
+ApartPotential OrientedParticles::apartPotential() const {
+  return {std::max(0.0, findLennardJonesCurvature(lattice_.pair, lattice_.pair.distance)), kApart * lattice_.spacing};
+}
+
+void OrientedParticles::keepLayers(const State& state) {
+  constexpr double kBeside = 0.5;  // of the distance: nearer to both tangent planes, a pair is side by side
+  const Lists& apart = lists_.apart();
+  std::vector<double> ranges;
+  ranges.reserve(apart.items.size());
+  for (Index i = 0; i < apart.size(); ++i) {
+    const Vec3 normal = normalOf(state.orientations[i]);
+    for (const Index* j = apart.begin(i); j != apart.end(i); ++j) {
+      const Vec3 other = normalOf(state.orientations[*j]), r = state.positions[*j] - state.positions[i];
+      const double d = r.norm(), height = std::max(std::abs(normal.dot(r)), std::abs(other.dot(r)));
+      const bool is_beside = normal.dot(other) > 0.0 && height <= kBeside * d;
+      const double range = kApart * lattice_.spacing;
+      ranges.push_back(is_beside ? range : std::min(range, d));
+    }
+  }
+  if (!ranges.empty()) lists_.setApartRanges(std::move(ranges));
 }
 
 void OrientedParticles::adopt(const State& state) {
@@ -157,6 +182,17 @@ void OrientedParticles::forEachParted(Index i, const Take& take) const {
     take((Eigen::Map<const Vec3>(packed_.place(*j)) - p).norm());
 }
 
+// Of the pairs that are kept apart, those that repel.
+Index OrientedParticles::countApart(Index i) const {
+  const Eigen::Map<const Vec3> p(packed_.place(i));
+  Index count = 0;
+  for (const NeighborList::Apart* other = lists_.beginApart(i); other != lists_.endApart(i); ++other) {
+    const double range = std::min(other->range, kApart * lattice_.spacing);
+    count += (Eigen::Map<const Vec3>(packed_.place(other->particle)) - p).norm() < range;
+  }
+  return count;
+}
+
 void OrientedParticles::addForces(const State& state, Points& forces) const {
   torques_.assign(state.positions.size(), Vec3::Zero());
   addForcesAndTorques(state, forces, torques_);
@@ -172,6 +208,7 @@ void OrientedParticles::addForcesAndTorques(const State& state, Points& forces, 
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
     gatherForces(lattice_.pair, lists_, packed_, begin, end, forces.data(), torques.data());
     gatherContact(lattice_.pair, lists_, packed_, begin, end, forces.data());
+    gatherApart(apartPotential(), lists_, packed_, begin, end, forces.data());
     for (Index i = begin; in_plane && i < end; ++i) {
       forces[i].y() = 0.0;
       torques[i].x() = torques[i].z() = 0.0;
@@ -352,7 +389,8 @@ double OrientedParticles::elasticEnergy(const State& state) const {
   if (!prepare(state)) return kNotANumber;
   const double energy = parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
     return gatherEnergy(lattice_.pair, lists_, packed_, begin, end) +
-           gatherContactEnergy(lattice_.pair, lists_, packed_, begin, end);
+           gatherContactEnergy(lattice_.pair, lists_, packed_, begin, end) +
+           gatherApartEnergy(apartPotential(), lists_, packed_, begin, end);
   });
   return energy - state.size() * lattice_.energy_per_particle;
 }
@@ -361,6 +399,7 @@ double OrientedParticles::findStableStep(const State& state) const {
   if (!prepare(state)) return std::numeric_limits<double>::infinity();  // the first sub-step reports the problem
   const double mass = mass_, inertia = lattice_.inertia_by_mass * mass_, both = std::sqrt(mass * inertia);
   const Index n = state.size(), num_blocks = (n + kBlock - 1) / kBlock;
+  const ApartPotential apart = apartPotential();
   row_maxima_.assign(num_blocks, 0.0);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     double largest = 0.0;
@@ -372,6 +411,7 @@ double OrientedParticles::findStableStep(const State& state) const {
         turn += 2.0 * k.y / both + k.z / inertia;
       });
       forEachParted(i, [&](double d) { move += 2.0 * boundContactStiffness(lattice_.pair, d) / mass; });
+      move += countApart(i) * 4.0 * apart.stiffness / mass;
       largest = std::max({largest, move, turn});
     }
     row_maxima_[begin / kBlock] = largest;
@@ -389,6 +429,7 @@ void OrientedParticles::addRowBounds(const State& state, std::vector<double>& st
                   [&](Index j, double) { stiffness[i] += 2.0 * boundStiffness(lattice_.pair, packed_, i, j).x; });
     for (Index i = begin; i < end; ++i)
       forEachParted(i, [&](double d) { stiffness[i] += 2.0 * boundContactStiffness(lattice_.pair, d); });
+    for (Index i = begin; lists_.hasApart() && i < end; ++i) stiffness[i] += 4.0 * apartPotential().stiffness * countApart(i);
   });
 }
 

@@ -396,4 +396,50 @@ double gatherContactEnergy(const PairPotentials& p, const NeighborList& lists, c
   return sum;
 }
 
+namespace {
+
+// Calls take(j, r, d, c) for each particle j near i that is kept apart from it and nearer than c, m.
+template <class Take>
+void forEachApart(const ApartPotential& apart, const NeighborList& lists, const PackedParticles& particles, Index i,
+                  const Take& take) {
+  const Eigen::Map<const Vec3> place(particles.place(i));
+  for (const NeighborList::Apart* other = lists.beginApart(i); other != lists.endApart(i); ++other) {
+    const Vec3 r = Eigen::Map<const Vec3>(particles.place(other->particle)) - place;
+    const double d = r.norm(), c = std::min(apart.range, other->range);
+    if (d < c) take(other->particle, r, d, c);
+  }
+}
+
+// The direction from the first to the second of two particles in one place: along the surface of the first, in the plane y = 0
+// for curves.
+Vec3 findWayOut(const PackedParticles& particles, Index first) {
+  const Eigen::Map<const Vec3> normal(particles.normal(first));
+  constexpr double kSteep = 0.9;
+  return normal.cross(std::abs(normal.y()) < kSteep ? Vec3::UnitY() : Vec3::UnitX()).normalized();
+}
+
+}  // namespace
+
+void gatherApart(const ApartPotential& apart, const NeighborList& lists, const PackedParticles& particles, Index begin, Index end,
+                 Vec3* forces) {
+  if (!lists.hasApart()) return;
+  for (Index i = begin; i < end; ++i)
+    forEachApart(apart, lists, particles, i, [&](Index j, const Vec3& r, double d, double c) {
+      const double push = 2.0 * apart.stiffness * (c - d);
+      const Vec3 way = d > 0.0 ? Vec3(r / d) : Vec3(i < j ? findWayOut(particles, i) : -findWayOut(particles, j));
+      forces[i] -= push * way;
+    });
+}
+
+double gatherApartEnergy(const ApartPotential& apart, const NeighborList& lists, const PackedParticles& particles, Index begin,
+                         Index end) {
+  double sum = 0.0;
+  if (!lists.hasApart()) return sum;
+  for (Index i = begin; i < end; ++i)
+    forEachApart(apart, lists, particles, i, [&](Index, const Vec3&, double d, double c) {
+      sum += 0.5 * apart.stiffness * (c - d) * (c - d);  // the other half is the other particle's
+    });
+  return sum;
+}
+
 }  // namespace deformable_surface::model

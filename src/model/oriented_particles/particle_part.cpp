@@ -20,6 +20,7 @@ bool OrientedParticles::markPartners(const std::vector<Index>& points, std::vect
     marked[i] = 1;
     if (!has_partners_) continue;
     for (const Index* j = partners_.begin(i); j != partners_.end(i); ++j) marked[*j] = 1;
+    for (const NeighborList::Apart* j = partners_.beginApart(i); j != partners_.endApart(i); ++j) marked[j->particle] = 1;
   }
   return true;
 }

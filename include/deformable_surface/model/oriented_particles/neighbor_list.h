@@ -18,7 +18,8 @@ class NeighborList {
   static constexpr Index kMostNeighbors = 1024;
 
   /// radius, skin: m, > 0. apart: for every initial particle, by its id, the particles that are never its neighbours however near
-  /// they are, ascending and symmetric; empty: there are none. Descendants of two such particles are no neighbours either.
+  /// they are, ascending and symmetric; empty: there are none. Descendants of two such particles are no neighbours either. They
+  /// have lists of their own.
   NeighborList(double radius, double skin, Lists apart = {}) : radius_(radius), skin_(skin), apart_(std::move(apart)) {}
 
   /// Makes the lists hold every pair within the radius at these positions that is not kept apart, and none
@@ -35,7 +36,18 @@ class NeighborList {
     forget();
   }
   /// An empty list with the same lengths, for particles of the same descent.
-  NeighborList alike() const { return {radius_, skin_, apart_}; }
+  NeighborList alike() const {
+    NeighborList lists(radius_, skin_, apart_);
+    lists.apart_ranges_ = apart_ranges_;
+    return lists;
+  }
+  /// The pairs that are kept apart, by the ids of initial particles.
+  const Lists& apart() const { return apart_; }
+  /// How near, m, each of these pairs may come before it repels; as long as apart().items. Before, it is infinite.
+  void setApartRanges(std::vector<double> ranges) {
+    apart_ranges_ = std::move(ranges);
+    forget();
+  }
   /// m, the distance that a particle may move before lists are rebuilt.
   double margin() const { return 0.5 * skin_; }
   /// The particles have changed: the next update rebuilds the lists.
@@ -49,6 +61,16 @@ class NeighborList {
   const Index* beginParted(Index i) const { return hasParted() ? parted_[i / kBlock].data() + parted_begins_[i] : nullptr; }
   const Index* endParted(Index i) const { return hasParted() ? beginParted(i) + parted_counts_[i] : nullptr; }
   bool hasParted() const { return !parted_begins_.empty(); }
+
+  /// One that is kept apart from a particle, and how near it may come.
+  struct Apart {
+    Index particle;
+    double range;  // m
+  };
+  /// Those near particle i that are kept apart from it, ascending; all within their range.
+  const Apart* beginApart(Index i) const { return hasApart() ? near_apart_[i / kBlock].data() + apart_begins_[i] : nullptr; }
+  const Apart* endApart(Index i) const { return hasApart() ? beginApart(i) + apart_counts_[i] : nullptr; }
+  bool hasApart() const { return !apart_begins_.empty(); }
 
   Index numRebuilds() const { return num_rebuilds_; }
   /// Memory in use.
@@ -74,13 +96,16 @@ class NeighborList {
 
   double radius_, skin_;
   Lists apart_;
-  double cell_ = 0.0;  // m, edge of the cells
+  std::vector<double> apart_ranges_;  // m, of apart_.items; empty: infinite
+  double cell_ = 0.0;                 // m, edge of the cells
   Points rebuilt_at_;
   bool is_valid_ = false;
   std::vector<std::vector<Index>> blocks_;            // the lists of kBlock particles one after the other
   std::vector<Index> begins_, counts_;                // (n), within the block
   std::vector<std::vector<Index>> parted_;            // the same for pairs with a cut between them
   std::vector<Index> parted_begins_, parted_counts_;  // (n); empty: there are no cuts
+  std::vector<std::vector<Apart>> near_apart_;        // the same for pairs that are kept apart
+  std::vector<Index> apart_begins_, apart_counts_;    // (n); empty: none are
   std::vector<Index> bins_, starts_;                  // of each particle; (number of bins + 1) into slots_
   std::vector<Slot> slots_;                           // (n) by bin, then by index
   Index mask_ = 0;                                    // number of bins - 1, a power of two less one

@@ -21,8 +21,9 @@ class OrientedParticles : public DeformableModel,
                           public Links {
  public:
   /// rest, normals: (n x 3), unit, of the particles at first; they are flat at rest (but see setRest()). spacing: m, of
-  /// the cloud, for params.spacing: auto. apart: as in NeighborList; no force acts between such particles, nor between
-  /// their descendants. Throws InputError if a surface of these potentials would collapse.
+  /// the cloud, for params.spacing: auto. apart: as in NeighborList; such particles and their descendants have no
+  /// bonds, and repel each other below half a spacing (but see keepLayers()). Throws InputError if a surface of these potentials
+  /// would collapse.
   OrientedParticles(const Points& rest, const Points& normals, double spacing, const MaterialParams& material,
                     const OrientedParticlesParams& params, Lists apart = {});
 
@@ -44,6 +45,9 @@ class OrientedParticles : public DeformableModel,
   void beginAtRest(State& state) override;
   /// From now on particles start with the normals and the rest curvatures of this state.
   void setRest(const State& state);
+  /// Particles that are kept apart and face each other or away from each other in this state of the initial particles, like the
+  /// sides of a thin body, repel only where they come nearer than they are.
+  void keepLayers(const State& state);
   /// Takes the present bending of every smooth particle as its rest shape, estimated from its neighbours, up to a radian each.
   void keepShape(State& state) const;
   /// Replaces each rest curvature by the mean over the particle and the neighbours that face the same way, moved along the
@@ -117,6 +121,8 @@ class OrientedParticles : public DeformableModel,
  private:
   OrientedParticles(const OrientedParticles& whole, std::size_t count);  // a part with `count` particles
   bool prepare(const State& state) const;
+  ApartPotential apartPotential() const;
+  Index countApart(Index i) const;
   std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
   void forEachNear(Index i, double distance, const Take& take) const;

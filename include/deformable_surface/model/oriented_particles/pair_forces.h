@@ -50,6 +50,17 @@ void gatherContact(const PairPotentials& pair, const NeighborList& lists, const 
 double gatherContactEnergy(const PairPotentials& pair, const NeighborList& lists, const PackedParticles& particles, Index begin,
                            Index end);
 
+/// The same for pairs that are kept apart because they are far from each other over the surface at rest. With c the smaller of
+/// `range` (m) and the pair's own, E = stiffness (c - d)^2 for d < c: the force ends with zero there, so that layers that lie c
+/// apart at rest stay so. In one place they part along the surface of the first. stiffness: N/m, >= 0.
+struct ApartPotential {
+  double stiffness = 0.0, range = 0.0;
+};
+void gatherApart(const ApartPotential& apart, const NeighborList& lists, const PackedParticles& particles, Index begin, Index end,
+                 Vec3* forces);
+double gatherApartEnergy(const ApartPotential& apart, const NeighborList& lists, const PackedParticles& particles, Index begin,
+                         Index end);
+
 /// Bounds of the magnitudes of the stiffness that couples a pair's coordinates. X: positions, N/m; Y: a position with an
 /// orientation, N; Z: orientations, N m, of one particle and of both together.
 struct PairStiffness {

@@ -151,6 +151,7 @@ void partCrushed(const Vec2& exponents, model::OrientedParticles& model, RestSur
   state.positions = s.points;
   model.beginAtRest(state);
   if (!slideParticles(s.dense, attraction, s.pinned, s.pinned_turns, state)) return;
+  model.keepLayers(state);
   const Settled moves = measureMoves(s.points, state.positions);
   takePlaces(state, model, s);
   const double spacing = model.lattice().spacing;
@@ -178,7 +179,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   if (!params.neighbors.areEuclidean()) apart = cloud::findRefusedPairs(s.points, s.cells.neighbors);
   if (!apart.items.empty())
     s.notes.push_back(count(static_cast<Index>(apart.items.size() / 2),
-                            "pairs of particles are apart over the surface: no forces act between them"));
+                            "pairs of particles are apart over the surface: no bonds form between them"));
   auto particles =
       std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles, apart);
   s.creased.assign(m, 0);
@@ -196,6 +197,12 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   model::OrientedParticles& model = *particles;
   s.model = std::move(particles);
   applyPins(params, s);
+  if (!apart.items.empty()) {
+    model::State given;
+    given.positions = s.points;
+    model.beginAtRest(given);
+    model.keepLayers(given);
+  }
   if (params.oriented_particles.grow_surface) return;
   if (params.oriented_particles.restsAsCloud())
     takeCloudAsRest(model, s);

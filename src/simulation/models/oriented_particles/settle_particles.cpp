@@ -122,6 +122,7 @@ Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedPar
                         const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state) {
   const Points before = state.positions;
   const bool has_slid = slideParticles(dense, attraction, held, held_turns, state);
+  model.keepLayers(state);
   model.keepShape(state);
   const double flat = kFlat / model.lattice().spacing;
   const bool is_bent = std::any_of(state.traits.begin(), state.traits.end(), [flat](const model::ParticleTraits& traits) {
