@@ -56,14 +56,14 @@ SolveReport OrientedVerlet::advance(const System& system, double time, double st
   SolveReport report;
   report.substeps = countSubsteps(step, max_substep);
   const double dt = step / report.substeps, half = 0.5 * dt;
-  const double decay = std::exp(-system.damping() * half);
+  const double decay = std::exp(-system.damping() * half), spin_decay = std::exp(-system.rotationalDamping() * half);
   const Index n = state.size();
   const std::vector<double>&masses = system.masses(), &inertias = system.inertias();
   evaluate(system, time, state, report);
   predicted_ = state;
   for (Index s = 0; s < report.substeps; ++s) {
     for (Index i = 0; i < n; ++i) {
-      state.spins[i] = decay * state.spins[i] + half / inertias[i] * torques_[i];
+      state.spins[i] = spin_decay * state.spins[i] + half / inertias[i] * torques_[i];
       if (system.isHeld(i)) continue;
       const Vec3 kick = half / masses[i] * forces_[i];
       state.velocities[i] = decay * state.velocities[i] + kick;
@@ -76,7 +76,7 @@ SolveReport OrientedVerlet::advance(const System& system, double time, double st
     predicted_.velocities.swap(state.velocities);
     for (Index i = 0; i < n; ++i) {
       if (!system.isHeld(i)) state.velocities[i] = decay * (state.velocities[i] + half / masses[i] * forces_[i]);
-      state.spins[i] = decay * (state.spins[i] + half / inertias[i] * torques_[i]);
+      state.spins[i] = spin_decay * (state.spins[i] + half / inertias[i] * torques_[i]);
     }
     system.remember(time + (s + 1) * dt, state);
   }

@@ -182,6 +182,24 @@ TEST(OrientedParticlesStates, PairsThatAreKeptApartKeepEnergyAndMomentaWhenTheyM
   }
 }
 
+TEST(OrientedParticlesStates, RotationIsDampedOnItsOwnOrAsMotionIs) {
+  for (const double rotational : {-1.0, 0.0, 7.0}) {  // below zero: auto
+    OrientedParticlesParams params = allTerms();
+    if (!(rotational < 0.0)) params.rotational_damping = rotational;
+    OrientedParticles particles = makeModel(1, params);
+    State s = emptyState(1);
+    const Vec3 speed(0.1, -0.2, 0.3), spin(0.3, 0.5, -0.2);
+    s.velocities[0] = speed;
+    s.spins[0] = spin;
+    World world(particles, 2.0);
+    solve::makeIntegrator(IntegratorType::kVerlet, {}, true)->advance(world.system, 0.0, 0.5, 0.01, s);
+    EXPECT_LT((s.velocities[0] - std::exp(-1.0) * speed).norm(), 1e-14);
+    EXPECT_LT((s.spins[0] - std::exp(-0.5 * (rotational < 0.0 ? 2.0 : rotational)) * spin).norm(), 1e-14);
+    World free(particles);
+    EXPECT_EQ(free.system.dissipates(), rotational > 0.0);
+  }
+}
+
 TEST(OrientedParticlesStates, TimeRunsBackwardsAsWell) {
   State s = hexagonalPatch(4, 5);
   s.positions = perturb(s.positions, 0.02 * kSpacing);

@@ -76,6 +76,8 @@ class OrientedPoints {
  public:
   /// (n) kg m^2, positive: moments of inertia, the same about every axis.
   virtual const std::vector<double>& inertias() const = 0;
+  /// 1/s, of rotation: torque = -damping * inertia * spin. motion: 1/s, the damping of motion.
+  virtual double rotationalDamping(double motion) const { return motion; }
   /// Adds forces as addForces() does, and the torques in N m: torques (n x 3).
   virtual void addForcesAndTorques(const State& state, Points& forces, Points& torques) const = 0;
 

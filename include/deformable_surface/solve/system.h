@@ -12,8 +12,9 @@ using model::State;
 class System {
  public:
   /// The model, the loads and held (n, 1 = no force moves the point: it keeps its velocity) are kept by reference: their values
-  /// may change between steps. damping, 1/s: force = -damping * mass * velocity, torque = -damping * inertia * spin; explicit
-  /// integrators apply it exactly. held_turns (n, 1 = the point does not turn): null if no rotation is held.
+  /// may change between steps. damping, 1/s: force = -damping * mass * velocity, and torques likewise, unless the model damps
+  /// rotation otherwise (OrientedPoints); explicit integrators apply it exactly. held_turns (n, 1 = the point does not turn):
+  /// null if no rotation is held.
   System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
          double damping, const std::vector<char>* held_turns = nullptr);
 
@@ -27,6 +28,8 @@ class System {
   /// Whether there is an implicit method.
   bool hasStiffness() const { return model_.stiffnessMatrix() || model_.stiffnessProducts(); }
   double damping() const { return damping_; }
+  /// 1/s, of the rotation of oriented points: torque = -damping * inertia * spin.
+  double rotationalDamping() const { return isOriented() ? model_.orientedPoints()->rotationalDamping(damping_) : damping_; }
   void setDamping(double damping) { damping_ = damping; }
   /// Integrators shorten their steps by this limit from now on. Null, as at first: no limit. Kept by reference.
   void setMotionLimit(const MotionLimit* limit) { motion_limit_ = limit; }
@@ -34,7 +37,7 @@ class System {
   /// True if anything but the damping by mass may dissipate energy: the material's viscosity, loads without a potential.
   bool dissipatesInForces() const;
   /// The same, damping by mass included.
-  bool dissipates() const { return damping_ > 0.0 || dissipatesInForces(); }
+  bool dissipates() const { return damping_ > 0.0 || rotationalDamping() > 0.0 || dissipatesInForces(); }
 
   /// All forces but the damping by mass, N; zero on held points. (n x 3), overwritten.
   void computeForces(double time, const State& state, Points& forces) const;

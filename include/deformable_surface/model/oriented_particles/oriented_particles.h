@@ -38,6 +38,7 @@ class OrientedParticles : public DeformableModel,
   const Links* links() const override { return this; }
   InnerState* innerState() override { return this; }
   const std::vector<double>& inertias() const override { return inertias_; }
+  double rotationalDamping(double motion) const override { return params_.rotational_damping.valueOr(motion); }
   bool forcesReadVelocities() const override { return false; }
   void addForces(const State& state, Points& forces) const override;
   void addForcesAndTorques(const State& state, Points& forces, Points& torques) const override;

@@ -32,11 +32,12 @@ struct OrientedParticlesParams {
   ParticleMode mode = ParticleMode::kSpace;
   OrAuto<double> spacing;  // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
   // Each multiplies a value derived from the material.
-  double lennard_jones = 1.0;        // >= 0: 1 = the surface has Young's modulus
-  double co_planarity = 1.0;         // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
-  double co_normality = 1.0;         // >= 0
-  double co_circularity = 0.0;       // >= 0, on the scale of co-planarity
-  double axis_alignment_rate = 0.0;  // 1/s, >= 0: how fast x axes turn to a principal direction
+  double lennard_jones = 1.0;         // >= 0: 1 = the surface has Young's modulus
+  double co_planarity = 1.0;          // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
+  double co_normality = 1.0;          // >= 0
+  double co_circularity = 0.0;        // >= 0, on the scale of co-planarity
+  double axis_alignment_rate = 0.0;   // 1/s, >= 0: how fast x axes turn to a principal direction
+  OrAuto<double> rotational_damping;  // 1/s, >= 0: torque = -rotational_damping * inertia * spin; auto = as motion is damped
   PrincipalDirection principal = PrincipalDirection::kSigned;
   Vec2 exponents{8.0, 4.0};  // of repulsion and attraction, whole, the first the larger
   double cutoff = 1.6;       // of the pair's distance of least energy, > 1: no interaction beyond
@@ -81,6 +82,8 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.number("axis_alignment_rate", p.axis_alignment_rate, "1/s", between(0.0, 1e9),
                 "rate at which x axes align with the principal curvature direction, per unit of curvature difference times "
                 "spacing. Display only");
+  fields.number("rotational_damping", p.rotational_damping, "1/s", between(0.0, 1e9),
+                "damping of rotation: torque = -rotational_damping * inertia * spin; `auto` = material.damping");
   fields.choice("principal", p.principal, {{"signed", PrincipalDirection::kSigned}, {"absolute", PrincipalDirection::kAbsolute}},
                 "x axes align with the direction of the least `signed` or `absolute` curvature");
   fields.vector("exponents", p.exponents, "", between(1.0, 24.0),
