@@ -101,8 +101,7 @@ void OrientedParticles::keepLayers(const State& state) {
       const Vec3 other = normalOf(state.orientations[*j]), r = state.positions[*j] - state.positions[i];
       const double d = r.norm(), height = std::max(std::abs(normal.dot(r)), std::abs(other.dot(r)));
       const bool is_beside = normal.dot(other) > 0.0 && height <= kBeside * d;
-      const double range = kApart * lattice_.spacing;
-      ranges.push_back(is_beside ? range : std::min(range, d));
+      ranges.push_back(is_beside ? std::numeric_limits<double>::infinity() : d);
     }
   }
   if (!ranges.empty()) lists_.setApartRanges(std::move(ranges));
@@ -429,7 +428,9 @@ void OrientedParticles::addRowBounds(const State& state, std::vector<double>& st
                   [&](Index j, double) { stiffness[i] += 2.0 * boundStiffness(lattice_.pair, packed_, i, j).x; });
     for (Index i = begin; i < end; ++i)
       forEachParted(i, [&](double d) { stiffness[i] += 2.0 * boundContactStiffness(lattice_.pair, d); });
-    for (Index i = begin; lists_.hasApart() && i < end; ++i) stiffness[i] += 4.0 * apartPotential().stiffness * countApart(i);
+    if (!lists_.hasApart()) return;
+    const double apart = apartPotential().stiffness;
+    for (Index i = begin; i < end; ++i) stiffness[i] += 4.0 * apart * countApart(i);
   });
 }
 
