@@ -22,7 +22,7 @@ namespace {
 using simulation::SceneParams;
 using simulation::Simulation;
 
-constexpr Index kFirstScene = 1000, kNumScenes = 30;
+constexpr Index kFirstScene = 3000, kNumScenes = 30;
 constexpr Index kSizes[] = {400, 600, 1000, 1500, 2500, 4000, 7000, 15000, 40000, 100000};  // about the points of a cloud
 constexpr double kShares[] = {0.03, 0.01, 0.003};                                           // target over diagonal
 constexpr double kFactors[] = {0.5, 1.0, 2.0, 5.0};                                         // of the target
