@@ -55,7 +55,7 @@ TimeMarch::Memory TimeMarch::memory() const {
   return memory;
 }
 
-// Integrators keep nothing between steps except the pattern of their matrix, which belongs to the surface, and forces that
+// Integrators keep nothing between steps except the pattern of their matrix, which the next solution sets anew, and forces that
 // belong to the state.
 void TimeMarch::setMemory(const Memory& memory) {
   memory_ = memory;
