@@ -14,11 +14,12 @@ constexpr double kLeast = 0.5;
 constexpr double kOfRoom = 0.9;
 // Factor on a pair's thickness: parts as near as that may touch soon, at any speed.
 constexpr double kWatched = 1.5;
-constexpr double kLongest = 4.0;     // of the usual reach: with longer ways too many pairs would have to be looked at
-constexpr double kAhead = 8.0;       // calls of limit() for which the motion of the present one is predicted
-constexpr Index kMostFailures = 4;   // after each, proofs are tried half as often
-constexpr int kCollisions = 8;       // passes
-constexpr double kRounding = 1e-15;  // m
+constexpr double kLongest = 4.0;        // of the usual reach: a longer piece of a way would need too many pairs
+constexpr double kShortest = 1.0 / 64;  // of a way: pieces that are not needed shorter where nothing is near
+constexpr double kAhead = 8.0;          // calls of limit() for which the motion of the present one is predicted
+constexpr Index kMostFailures = 4;      // after each, proofs are tried half as often
+constexpr int kCollisions = 8;          // passes
+constexpr double kRounding = 1e-15;     // m
 
 }  // namespace
 
@@ -104,18 +105,32 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
   return false;
 }
 
+// Looks at the way in pieces: limit() is the more cautious, the longer a piece is.
 bool SelfContact::staysApart(const Points& before, const Points& after) {
   forgetMotion();
+  way_.resize(before.size());
   double farthest = 0.0;
-  for (std::size_t i = 0; i < motion_.size(); ++i) {
-    motion_[i] = after[i] - before[i];
-    farthest = std::max(farthest, motion_[i].norm());
+  for (std::size_t i = 0; i < way_.size(); ++i) {
+    way_[i] = after[i] - before[i];
+    farthest = std::max(farthest, way_[i].norm());
   }
-  if (clearance_.prove(before, motion_, 1.0) && clearance_.isApart()) return true;
+  if (clearance_.prove(before, way_, 1.0) && clearance_.isApart()) return true;
   forgetMotion();
-  if (!(farthest < kLongest * list_.usualReach())) return false;
-  reached_ = after;
-  if (!limit(before, reached_).empty()) return false;
+  piece_begin_ = piece_end_ = before;
+  double done = 0.0, piece = 1.0;
+  while (done < 1.0) {
+    const double end = std::min(1.0, done + piece);
+    for (std::size_t i = 0; i < way_.size(); ++i) piece_end_[i] = before[i] + end * way_[i];
+    reached_ = piece_end_;
+    if (piece * farthest < kLongest * list_.usualReach() && limit(piece_begin_, reached_).empty()) {
+      piece_begin_.swap(piece_end_);
+      done = end;
+      piece *= 2.0;
+    } else {
+      piece *= 0.5;
+      if (piece < kShortest) return false;
+    }
+  }
   const std::vector<Near>& all = measure(after, 0.0);
   return std::none_of(all.begin(), all.end(), touches);
 }

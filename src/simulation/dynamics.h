@@ -288,8 +288,9 @@ class Dynamics {
   // Scratch.
   std::vector<char> patches_;  // (n) see model::Clamping
   std::vector<model::ClampEdge> patch_edges_;
-  std::vector<Index> hits_, moving_;                   // moving: points on pins that move in the step
-  State before_search_;                                // of an equilibrium, where it may have to begin again with contact
+  std::vector<Index> hits_, moving_;  // moving: points on pins that move in the step
+  State before_search_;               // of an equilibrium, where it may have to begin again with contact
+  std::vector<ContactLoad::Body> tools_before_search_;
   std::vector<double> load_stiffness_, load_damping_;  // N/m, N s/m
   mutable Points forces_on_all_;                       // N
 };

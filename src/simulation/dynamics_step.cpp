@@ -201,14 +201,21 @@ solve::TimeMarch::Outcome Dynamics::findMotion(double now, const Request& reques
     return advanceFromStart(now, beginElsewhere(request));
   system_.setMotionLimit(nullptr);
   before_search_ = now_.points;
+  tools_before_search_ = loads_.contact.all();
   const solve::TimeMarch::Memory memory = march_.memory();
-  const solve::TimeMarch::Outcome taken = advanceFromStart(now, beginElsewhere(request));
-  const bool is_interrupted = interrupt_ && *interrupt_;
-  if (is_interrupted || (taken.ok && self->contact.staysApart(before_search_.positions, now_.points.positions))) return taken;
+  const solve::TimeMarch::Outcome apart = advanceFromStart(now, beginElsewhere(request));
+  if (!apart.ok && interrupt_ && *interrupt_) return apart;
+  if (apart.ok && self->contact.staysApart(before_search_.positions, now_.points.positions)) return apart;
   system_.setMotionLimit(&self->limit);
+  self->setMayAct(true);
+  followLoads();
   now_.points = before_search_;
+  loads_.contact.restore(tools_before_search_);
   march_.setMemory(memory);
-  return advanceFromStart(now, false);
+  solve::TimeMarch::Outcome taken = advanceFromStart(now, false);
+  taken.report.iterations += apart.report.iterations;
+  taken.report.time_forces += apart.report.time_forces;
+  return taken;
 }
 
 // The sub-steps. An equilibrium that is not found from elsewhere is searched again from rest.
@@ -314,7 +321,10 @@ std::optional<double> Dynamics::searchAgain(double now, double disturbance, mode
   const solve::TimeMarch::Outcome taken = second.step(now, start);
   if (interrupt_ && *interrupt_) return {};
   if (!taken.ok || !taken.report.converged) return std::numeric_limits<double>::infinity();
-  return findLargestDistance(found, start.positions);
+  // The first search may have been one without contact: the second one must not have passed through the surface.
+  const bool has_passed =
+      loads_.self_contact && !system_.motionLimit() && !loads_.self_contact->contact.staysApart(found, start.positions);
+  return has_passed ? std::numeric_limits<double>::infinity() : findLargestDistance(found, start.positions);
 }
 
 Grips::Update Dynamics::updateGrips(double now, double dt) {

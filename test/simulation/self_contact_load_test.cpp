@@ -280,6 +280,26 @@ TEST(SelfContactLoad, EquilibriaDoNotCrossOnTheirWay) {
   }
 }
 
+TEST(SelfContactLoad, EquilibriaThatAreSearchedTwiceCanBeRepeated) {
+  ContactScene scene = makeLayers(0.03);
+  std::uint64_t hash = 0;
+  for (const Index threads : {1, 2, 3}) {
+    scene.params.threads = threads;
+    Simulation s(scene.params, scene.cloud);
+    run(s, 5);
+    const simulation::Snapshot snapshot = s.snapshot();
+    Simulation fork = s.fork();
+    run(s, 5);
+    if (threads == 1) hash = s.stateHash();
+    EXPECT_EQ(s.stateHash(), hash) << threads;
+    run(fork, 5);
+    EXPECT_EQ(fork.stateHash(), hash) << threads;
+    s.restore(snapshot);
+    run(s, 5);
+    EXPECT_EQ(s.stateHash(), hash) << threads;
+  }
+}
+
 TEST(SelfContactLoad, EquilibriaWhereNothingIsNearHaveTheBitsOfThoseWithoutContact) {
   ContactScene scene = makeLayers(0.01);
   scene.params.forces.push_back({"push", Vec3(0.05, 0.05, 0.0), Vec3(0.0, 0.0, -0.01), 0.03, 0.0, 1e300});

@@ -46,7 +46,7 @@ class SelfContact {
   /// changing at its present rate. Checks only the pairs in the usual list, and none if Clearance proves that they stay apart.
   bool mayTouch(const Points& positions, const Points& velocities, double time);
   /// Whether no two parts cross on straight paths from before to after, (n x 3) m, nor are nearer than their thickness at the
-  /// end. False also where that is not quick to find out, as for paths of several spacings over each other.
+  /// end. False also where 64 pieces of the paths do not tell, as for paths of hundreds of spacings.
   bool staysApart(const Points& before, const Points& after);
 
   /// Adds the springs' forces, N.
@@ -134,8 +134,9 @@ class SelfContact {
   void stopTogether();
 
   Clearance clearance_;
-  Index failures_ = 0, pause_ = 0;  // proofs that failed in a row, and calls of limit() until the next one
-  Points motion_, reached_;         // m, scratch
+  Index failures_ = 0, pause_ = 0;                  // proofs that failed in a row, and calls of limit() until the next one
+  Points motion_;                                   // m, scratch
+  Points way_, piece_begin_, piece_end_, reached_;  // m, of staysApart()
   PairList list_;
   const std::vector<double> masses_;
   SelfContactParams params_;
