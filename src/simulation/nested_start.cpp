@@ -31,7 +31,7 @@ Points findNestedStart(const SceneParams& params, const RestSurface& level, cons
   coarse.accuracy.estimate = false;
   coarse.output.resample = false;
   coarse.contact.self = false;  // the way to the equilibrium is checked on the level itself
-  RestSurface known;  // the coarser surface solved last, without its model
+  RestSurface known;            // the coarser surface solved last, without its model
   Points known_now;
   try {
     for (Index ratio : kRatios) {
