@@ -43,10 +43,10 @@ std::string describeUnbalance(const Outcome& outcome, const IntegratorParams& pa
   if (!outcome.ok || report.converged) return "";
   const bool is_static = outcome.type == IntegratorType::kStatic;
   const std::string most = "integrator.max_iterations, " + std::to_string(params.max_iterations);
-  return "the solver stopped after " + std::to_string(report.iterations) + " iterations (" +
-         (is_static ? "a search takes at most " : "two searches, each of at most ") + most + ") with " +
-         formatShort(report.unbalanced) + " of the largest force unbalanced in place of integrator.tolerance, " +
-         formatShort(params.tolerance) + "; " + adviseOnUnbalance(report, is_static);
+  return "the solver stopped after " + std::to_string(report.iterations) + " iterations in all its searches (each of at most " +
+         most + ") with " + formatShort(report.unbalanced) +
+         " of the largest force unbalanced in place of integrator.tolerance, " + formatShort(params.tolerance) + "; " +
+         adviseOnUnbalance(report, is_static);
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
   outcome.report.iterations = 7;
   const auto adviceOf = [&] {
     const std::string notice = describeStep(outcome, params);
-    EXPECT_EQ(notice.find("the solver stopped after 7 iterations ("), 0u) << notice;
+    EXPECT_EQ(notice.find("the solver stopped after 7 iterations in all its searches ("), 0u) << notice;
     return notice.substr(notice.find(';') + 2);
   };
   outcome.report.unbalanced = 0.5;
