@@ -143,6 +143,19 @@ TEST(OrientedParticlesStates, LayersOfAThinBodyRepelOnlyBelowTheirDistanceAtRest
   EXPECT_EQ(pushAt(layers, above), 0.0);
   EXPECT_EQ(pushAt(layers, 1.01 * above), 0.0);
   EXPECT_GT(pushAt(layers, 0.99 * above), 0.0);
+  // The stable step and parts of the surface know it, too.
+  EXPECT_TRUE(std::isinf(layers.findStableStep(makePair(above))));
+  EXPECT_TRUE(std::isfinite(layers.findStableStep(makePair(0.99 * above))));
+  const auto arePartners = [](OrientedParticles& particles, const Vec3& line) {
+    std::vector<char> marked(2, 0);
+    particles.followPartners(makePair(line));
+    particles.markPartners({0}, marked);
+    return marked[1] != 0;
+  };
+  OrientedParticles unknown = makePairModel();
+  EXPECT_TRUE(arePartners(layers, 2.0 * above));
+  EXPECT_FALSE(arePartners(layers, 5.0 * above)) << "they cannot touch before the lists are made again";
+  EXPECT_TRUE(arePartners(unknown, 5.0 * above));
   OrientedParticles row = makePairModel();
   row.keepLayers(makePair(beside));
   EXPECT_GT(pushAt(row, 2.0 * beside), 0.0);

@@ -104,7 +104,8 @@ void OrientedParticles::keepLayers(const State& state) {
       ranges.push_back(is_beside ? std::numeric_limits<double>::infinity() : d);
     }
   }
-  if (!ranges.empty()) lists_.setApartRanges(std::move(ranges));
+  if (ranges.empty()) return;
+  for (NeighborList* lists : {&lists_, &partners_}) lists->setApartRanges(ranges);
 }
 
 void OrientedParticles::adopt(const State& state) {
@@ -179,17 +180,6 @@ void OrientedParticles::forEachParted(Index i, const Take& take) const {
   const Eigen::Map<const Vec3> p(packed_.place(i));
   for (const Index* j = lists_.beginParted(i); j != lists_.endParted(i); ++j)
     take((Eigen::Map<const Vec3>(packed_.place(*j)) - p).norm());
-}
-
-// Of the pairs that are kept apart, those that repel.
-Index OrientedParticles::countApart(Index i) const {
-  const Eigen::Map<const Vec3> p(packed_.place(i));
-  Index count = 0;
-  for (const NeighborList::Apart* other = lists_.beginApart(i); other != lists_.endApart(i); ++other) {
-    const double range = std::min(other->range, kApart * lattice_.spacing);
-    count += (Eigen::Map<const Vec3>(packed_.place(other->particle)) - p).norm() < range;
-  }
-  return count;
 }
 
 void OrientedParticles::addForces(const State& state, Points& forces) const {
@@ -410,7 +400,7 @@ double OrientedParticles::findStableStep(const State& state) const {
         turn += 2.0 * k.y / both + k.z / inertia;
       });
       forEachParted(i, [&](double d) { move += 2.0 * boundContactStiffness(lattice_.pair, d) / mass; });
-      move += countApart(i) * 4.0 * apart.stiffness / mass;
+      move += countApart(apart, lists_, packed_, i) * 4.0 * apart.stiffness / mass;
       largest = std::max({largest, move, turn});
     }
     row_maxima_[begin / kBlock] = largest;
@@ -429,8 +419,8 @@ void OrientedParticles::addRowBounds(const State& state, std::vector<double>& st
     for (Index i = begin; i < end; ++i)
       forEachParted(i, [&](double d) { stiffness[i] += 2.0 * boundContactStiffness(lattice_.pair, d); });
     if (!lists_.hasApart()) return;
-    const double apart = apartPotential().stiffness;
-    for (Index i = begin; i < end; ++i) stiffness[i] += 4.0 * apart * countApart(i);
+    const ApartPotential apart = apartPotential();
+    for (Index i = begin; i < end; ++i) stiffness[i] += 4.0 * apart.stiffness * countApart(apart, lists_, packed_, i);
   });
 }
 

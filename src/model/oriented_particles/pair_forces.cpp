@@ -442,4 +442,10 @@ double gatherApartEnergy(const ApartPotential& apart, const NeighborList& lists,
   return sum;
 }
 
+Index countApart(const ApartPotential& apart, const NeighborList& lists, const PackedParticles& particles, Index i) {
+  Index count = 0;
+  forEachApart(apart, lists, particles, i, [&](Index, const Vec3&, double, double) { ++count; });
+  return count;
+}
+
 }  // namespace deformable_surface::model

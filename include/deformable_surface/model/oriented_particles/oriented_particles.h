@@ -123,7 +123,6 @@ class OrientedParticles : public DeformableModel,
   OrientedParticles(const OrientedParticles& whole, std::size_t count);  // a part with `count` particles
   bool prepare(const State& state) const;
   ApartPotential apartPotential() const;
-  Index countApart(Index i) const;
   std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
   void forEachNear(Index i, double distance, const Take& take) const;

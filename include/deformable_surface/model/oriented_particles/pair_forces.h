@@ -60,6 +60,8 @@ void gatherApart(const ApartPotential& apart, const NeighborList& lists, const P
                  Vec3* forces);
 double gatherApartEnergy(const ApartPotential& apart, const NeighborList& lists, const PackedParticles& particles, Index begin,
                          Index end);
+/// How many such pairs of a particle repel.
+Index countApart(const ApartPotential& apart, const NeighborList& lists, const PackedParticles& particles, Index i);
 
 /// Bounds of the magnitudes of the stiffness that couples a pair's coordinates. X: positions, N/m; Y: a position with an
 /// orientation, N; Z: orientations, N m, of one particle and of both together.

@@ -112,6 +112,26 @@ void takePlaces(const model::State& state, model::OrientedParticles& model, Rest
   model.setRest(state);
 }
 
+// Which pins hold while particles settle: those with no other pinned particle within reach of a bond. Pinned neighbours that
+// stayed at uneven distances would strain the surface beside them, and a thin one buckles under this stress at the smallest load.
+struct Settling {
+  std::vector<char> held, held_turns;
+};
+Settling releasePinnedNeighbors(double reach, const RestSurface& s) {
+  Settling settling{s.pinned, s.pinned_turns};
+  const cloud::KdTree tree(s.points);
+  std::vector<cloud::Neighbor> near;
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    if (!s.pinned[i]) continue;
+    tree.withinRadius(s.points[i], reach, near);
+    const auto isOther = [&](const cloud::Neighbor& other) {
+      return other.index != static_cast<Index>(i) && s.pinned[other.index];
+    };
+    if (std::any_of(near.begin(), near.end(), isOther)) settling.held[i] = settling.held_turns[i] = 0;
+  }
+  return settling;
+}
+
 // Brings the particles to rest where the cloud is, and takes that as the rest shape. What is at rest stays as it is, bit for bit.
 void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   const double spacing = model.lattice().spacing;
@@ -121,7 +141,8 @@ void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   state.positions = s.points;
   model.beginAtRest(state);
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !s.creased[i];
-  const Settled settled = settleParticles(s.dense, attraction, s.pinned, s.pinned_turns, model, state);
+  const Settling settling = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
+  const Settled settled = settleParticles(s.dense, attraction, settling.held, settling.held_turns, model, state);
   if (!(settled.largest > 0.0)) return;
   takePlaces(state, model, s);
   s.notes.push_back("particles moved by " + formatShort(settled.root_mean_square / spacing) + " spacings (rms; at most " +
@@ -150,7 +171,8 @@ void partCrushed(const Vec2& exponents, model::OrientedParticles& model, RestSur
   model::State state;
   state.positions = s.points;
   model.beginAtRest(state);
-  if (!slideParticles(s.dense, attraction, s.pinned, s.pinned_turns, state)) return;
+  const Settling settling = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
+  if (!slideParticles(s.dense, attraction, settling.held, settling.held_turns, state)) return;
   model.keepLayers(state);
   const Settled moves = measureMoves(s.points, state.positions);
   takePlaces(state, model, s);
