@@ -153,6 +153,28 @@ TEST(NeighborList, IsMadeAnewOnlyWhenSomethingHasMovedMoreThanHalfTheSkin) {
   EXPECT_EQ(lists.numRebuilds(), rebuilds + 1);
 }
 
+// Pairs come nearer by the difference of their displacements, at most a skin where all move by half of it about their middle.
+TEST(NeighborList, IsKeptWhileAllMoveTogetherOrSomeAreHeld) {
+  NeighborList lists(kRadius, kSkin);
+  Points points = randomPoints(400, 0.4);
+  lists.update(points);
+  const auto expectValid = [&](Index rebuilds) {
+    ASSERT_TRUE(lists.update(points));
+    EXPECT_EQ(lists.numRebuilds(), rebuilds);
+    for (Index i = 0; i < 400; ++i) {
+      const std::vector<Index> listed = listOf(lists, i), near = findNear(points, i, kRadius);
+      EXPECT_TRUE(std::includes(listed.begin(), listed.end(), near.begin(), near.end())) << i;
+    }
+  };
+  for (Vec3& p : points) p += 7.0 * kSkin * Vec3(0.6, -0.8, 0.3);
+  expectValid(1);
+  Points begin = points;
+  for (Index i = 0; i < 400; ++i) points[i] = begin[i] + 0.99 * kSkin * (i % 2) * Vec3::UnitZ();
+  expectValid(1);
+  for (Index i = 0; i < 400; ++i) points[i] = begin[i] + 1.01 * kSkin * (i % 2) * Vec3::UnitZ();
+  expectValid(2);
+}
+
 TEST(NeighborList, IsTheSameForEveryNumberOfThreads) {
   const Points points = randomPoints(5000, 0.7);
   std::vector<std::vector<Index>> first;

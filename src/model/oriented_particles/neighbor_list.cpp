@@ -55,22 +55,41 @@ bool NeighborList::update(const Points& positions, const std::vector<ParticleTra
   return is_valid_;
 }
 
-bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) const {
-  const bool same_number = positions.size() == rebuilt_at_.size();
-  const double most = 0.25 * skin_ * skin_;
+// Pairs approach each other by the difference of their displacements. So displacements count from the middle of the box around
+// all of them: a surface that moves as a whole needs no new lists, and one that is held somewhere needs half as many.
+bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) {
   const Index n = static_cast<Index>(positions.size());
-  // Two counts in one sum: one particle without a finite position outweighs all that have moved.
-  constexpr double kNowhere = 1e12;
-  const double sum = parallelSum(n, kBlock, [&](Index begin, Index end) {
-    double count = 0.0;
+  const bool same_number = positions.size() == rebuilt_at_.size();
+  ranges_.resize((n + kBlock - 1) / kBlock);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Range& range = ranges_[begin / kBlock];
+    range = {};
     for (Index i = begin; i < end; ++i) {
-      if (!positions[i].allFinite()) count += kNowhere;
-      if (!same_number || !((positions[i] - rebuilt_at_[i]).squaredNorm() <= most)) count += 1.0;
+      if (!positions[i].allFinite()) range.is_finite = false;
+      if (!same_number) continue;
+      const Vec3 move = positions[i] - rebuilt_at_[i];
+      range.low = range.low.cwiseMin(move);
+      range.high = range.high.cwiseMax(move);
     }
+  });
+  Range all;
+  for (const Range& range : ranges_) {
+    all.is_finite = all.is_finite && range.is_finite;
+    all.low = all.low.cwiseMin(range.low);
+    all.high = all.high.cwiseMax(range.high);
+  }
+  is_finite = all.is_finite;
+  if (!is_finite || !same_number) return true;
+  const double most = 0.25 * skin_ * skin_;
+  if (n == 0 || 0.25 * (all.high - all.low).squaredNorm() <= most) return false;
+  // The box is larger than the ball that holds all displacements.
+  const Vec3 middle = 0.5 * (all.low + all.high);
+  const double far = parallelSum(n, kBlock, [&](Index begin, Index end) {
+    double count = 0.0;
+    for (Index i = begin; i < end; ++i) count += !((positions[i] - rebuilt_at_[i] - middle).squaredNorm() <= most);
     return count;
   });
-  is_finite = sum < kNowhere;
-  return sum > 0.0 || !same_number;
+  return far > 0.0;
 }
 
 NeighborList::Cell NeighborList::cellOf(const Vec3& p) const {

@@ -5,13 +5,14 @@
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/model/oriented_particles/particle_cuts.h"
 
+#include <limits>
 #include <utility>
 
 namespace deformable_surface::model {
 
 /// Lists of all others within a radius plus a skin [Verlet 1967], rebuilt only when some particle has moved more than half the
-/// skin since. Cells are sorted by a hash of their place [Teschner 2003], so that empty space costs nothing however far
-/// particles fly.
+/// skin since, apart from a translation of all. Cells are sorted by a hash of their place [Teschner 2003], so that empty space
+/// costs nothing however far particles fly.
 class NeighborList {
  public:
   /// Particles with more neighbours than this are refused: such a heap of particles is no surface.
@@ -86,7 +87,14 @@ class NeighborList {
     std::int64_t x, y, z;
   };
 
-  bool hasMovedFar(const Points& positions, bool& is_finite) const;
+  // Of the displacements since the last rebuild, m.
+  struct Range {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+    Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+    bool is_finite = true;
+  };
+
+  bool hasMovedFar(const Points& positions, bool& is_finite);
   Cell cellOf(const Vec3& p) const;
   Index findBin(std::uint64_t row, std::int64_t x) const;
   void sortIntoBins(const Points& positions);
@@ -109,6 +117,7 @@ class NeighborList {
   std::vector<Index> bins_, starts_;                  // of each particle; (number of bins + 1) into slots_
   std::vector<Slot> slots_;                           // (n) by bin, then by index
   Index mask_ = 0;                                    // number of bins - 1, a power of two less one
+  std::vector<Range> ranges_;                         // by block
   Index num_rebuilds_ = 0;
 };
 
