@@ -67,7 +67,11 @@ def calibrate(options):
 
     def take(name, result):
         lines = result.files["rows"][0][1].decode().splitlines(keepends=True) if result.files else []
-        header[:] = lines[:1] or header
+        # Rows of another version have other columns. What this one writes is known from its first result.
+        if header and lines and lines[0] != header[0]:
+            raise SweepError("%s: found the columns '%s'; accepted: '%s', or another folder than that of another version's scenes" %
+                             (path, header[0].strip(), lines[0].strip()))
+        header[:] = header or lines[:1]
         if result.status == "done":
             rows[int(name[len("seed"):])] = lines[1:]
             # In the order of the seeds, not of completion.

@@ -16,11 +16,11 @@ printf 'seed,scene,look\\n%%s,sheet,1\\n%%s,sheet,2\\n' "$3" "$3" > "$6/calibrat
 
 
 class Calibrations(SweepCase):
-    def calibrate(self, first, count, *options):
+    def calibrate(self, first, count, *options, code=0):
         command = [sys.executable, "-m", "deformable_surface_sweep.calibration", self.path("program"), self.folder, str(first), str(count)]
         done = subprocess.run(command + list(options), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
                               env=make_environment(), timeout=PATIENCE)
-        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(done.returncode, code, done.stdout)
         return done.stdout
 
     def text_of(self, name):
@@ -38,6 +38,16 @@ class Calibrations(SweepCase):
         self.calibrate(10, 3)
         self.assertEqual(sorted(self.text_of("asked").split()), ["10", "11", "12", "12", "13", "14"])
         self.assertEqual(self.text_of("calibration_scenes.csv"), "".join(["seed,scene,look\n"] + rows[:6]))
+
+    def test_a_table_with_other_columns_stays_as_it_is(self):
+        os.chmod(self.write("program", STAND_IN % self.path("asked")), 0o755)
+        old = "seed,scene\n10,sheet\n"
+        self.write("calibration_scenes.csv", old)
+        said = self.calibrate(10, 3, code=1)
+        self.assertEqual(said.strip().splitlines()[-1],
+                         "calibration: %s: found the columns 'seed,scene'; accepted: 'seed,scene,look', or another folder than that "
+                         "of another version's scenes" % os.path.join(self.folder, "calibration_scenes.csv"))
+        self.assertEqual(self.text_of("calibration_scenes.csv"), old)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 #include "deformable_surface/simulation/loads.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace deformable_surface::node {
@@ -49,8 +50,15 @@ void Run::measure() {
     if (quantity != name) note(io::describeNewName("the quantity " + name, quantity));
     char text[32];
     try {
-      std::snprintf(text, sizeof text, "%.17g", simulation::computeQuantity(quantity, *simulation_));
+      const double found = simulation::computeQuantity(quantity, *simulation_);
+      std::snprintf(text, sizeof text, "%.17g", found);
       terminal_.out << "measured " << name << ' ' << text << '\n';
+      const simulation::Statistics now = simulation_->statistics();
+      if (quantity == "error_estimate" && std::isinf(found))
+        note("error_estimate is measured as infinite: " +
+             (std::isfinite(now.error_estimate)
+                  ? "error_bounded is false, so that the estimate, " + formatReal(now.error_estimate) + " m, is no bound"
+                  : std::string("nothing can be said about the error (docs/faq.md)")));
     } catch (const InputError& error) {
       for (const std::string& problem : error.problems()) note("--measure: " + problem);
     }

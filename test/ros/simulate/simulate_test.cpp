@@ -145,6 +145,17 @@ TEST_F(Simulate, PrintsMeasuredQuantitiesWithAllDigitsAndTellsWhichThereAreNot) 
   EXPECT_NE(out_.find("note: activity.sleep is now called sleep.mode; "), std::string::npos) << out_;
 }
 
+TEST_F(Simulate, SaysWhyAMeasuredErrorIsInfinite) {
+  EXPECT_EQ(run({"--set", "gravity=[0, 0, -9.81]", "--set", "pins=[{box: {min: [-1, -1, -1], max: [-0.4, 1, 1]}}]", "--set",
+                 "integrator={type: static, max_iterations: 1}", "--measure", "error_estimate"}),
+            0)
+      << err_;
+  EXPECT_NE(out_.find("measured error_estimate inf\n"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("note: error_estimate is measured as infinite: error_bounded is false, so that the estimate, "),
+            std::string::npos)
+      << out_;
+}
+
 TEST_F(Simulate, StopsWithStatusThreeAndTheLastGoodState) {
   // An explicit Euler step far beyond what the springs allow.
   EXPECT_EQ(run({"--set", "integrator={type: explicit_euler, time_step: 1.0}", "--set", "material={young_modulus: 1.0e9}",
