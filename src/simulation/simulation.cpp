@@ -37,8 +37,12 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   if (!dynamics().growthWarning().empty()) warnings.push_back(dynamics().growthWarning());
   if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
     dynamics().chooseIntegrator(choice.integrator);
+  const ModelKind& kind = dynamics().kind();
+  if (params.accuracy.estimate && !kind.traits().has_estimate)
+    notes.push_back(std::string("no error estimate: model ") + kind.name() +
+                    " has none; runs with other numbers of simulation points show how far results depend on it");
   try {
-    if (params.accuracy.estimate && dynamics().kind().traits().has_estimate) run.estimateError();
+    if (params.accuracy.estimate && kind.traits().has_estimate) run.estimateError();
   } catch (const InputError& problem) {
     notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
   }

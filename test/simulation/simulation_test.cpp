@@ -401,6 +401,19 @@ TEST(Simulation, CreasesAreUnorientedParticlesAlsoAfterAReset) {
   EXPECT_THROW(Simulation(p, sheetCloud(10)), InputError);
 }
 
+TEST(Simulation, ANoteSaysWhereTheModelHasNoErrorEstimate) {
+  for (const char* model : {"oriented_particles", "mass_spring"})
+    for (const bool is_wanted : {true, false}) {
+      SceneParams p = hangingSheet();
+      p.model = model;
+      p.accuracy.estimate = is_wanted;
+      const Simulation s(p, sheetCloud());
+      const auto says = [](const std::string& note) { return note.rfind("no error estimate: model oriented_particles", 0) == 0; };
+      const bool is_said = std::any_of(s.buildNotes().begin(), s.buildNotes().end(), says);
+      EXPECT_EQ(is_said, is_wanted && p.model == "oriented_particles") << model;
+    }
+}
+
 TEST(Simulation, HasNoEquilibriumWhereNothingHoldsIt) {
   simulation::SceneParams p = hangingSheet();
   p.pins.clear();
