@@ -276,11 +276,15 @@ void runCalibrationSection(const Options& asked, Report& report) {
               " chaotic, of which " + std::to_string(chaotic_flagged) + " flagged; " + std::to_string(regular_flagged) +
               " others flagged; may_buckle: " + std::to_string(chaotic_told) + " chaotic, " + std::to_string(regular_told) +
               " others");
-  const auto counts = std::count_if(truth_moved.begin(), truth_moved.end(), [](double x) { return x > kIsTruth; });
-  report.note("the truth in twice as many sub-steps, " + std::to_string(truth_moved.size()) + " looks of every " +
-              std::to_string(kSample) + "th scene: it moves by " + show(findQuantile(truth_moved, 0.5)) +
-              " of the error in the median, " + show(findQuantile(truth_moved, 0.95)) +
-              " at the 95th percentile, and by more than " + show(kIsTruth) + " at " + std::to_string(counts) + " looks");
+  if (truth_moved.empty()) {
+    report.note("the truth is checked in every " + std::to_string(kSample) + "th scene: these have no look of one");
+  } else {
+    const auto counts = std::count_if(truth_moved.begin(), truth_moved.end(), [](double x) { return x > kIsTruth; });
+    report.note("the truth in twice as many sub-steps, " + std::to_string(truth_moved.size()) + " looks of every " +
+                std::to_string(kSample) + "th scene: it moves by " + show(findQuantile(truth_moved, 0.5)) +
+                " of the error in the median, " + show(findQuantile(truth_moved, 0.95)) +
+                " at the 95th percentile, and by more than " + show(kIsTruth) + " at " + std::to_string(counts) + " looks");
+  }
   report.begin("calibration_chaotic", "Scenes counted apart, with the growth of a disturbance of the truth", {"scene", "growth"});
   for (const auto& scene : apart) report.add({scene.first, show(scene.second)});
   report.end();
