@@ -6,21 +6,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
+#include <utility>
 
 namespace deformable_surface::contact {
 namespace {
 
-// Fraction of the median edge: the cheapest for falling or folding sheets; below the rest distance of parts that are not
+// Fraction of the median edge: the cheapest of 0.5 to 0.9 for a shell that snaps; below the rest distance of parts that are not
 // neighbours.
-constexpr double kUsualRadius = 0.7;
+constexpr double kUsualRadius = 0.6;
 // Factor on a requested radius beyond the usual one, so that the list remains valid for a while.
 constexpr double kSpare = 1.5;
 // Fraction of the rest distance at which parts begin to repel each other; and neighbours on the surface, which are strained
 // elastically before they fold onto each other.
 constexpr double kOfRest = 0.9;
 constexpr double kOfRestJoined = 0.5;
-constexpr Index kBlock = 64;  // vertices or edges per task
+// Boxes of patches that are nearer make a couple, as a fraction of the median edge.
+constexpr double kCoupled = 3.0;
+constexpr Index kBlock = 4;  // patches or couples per task
 
 Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
 
@@ -31,16 +35,14 @@ Box boundOf(const Points& positions, const std::array<Index, N>& vertices) {
   return box;
 }
 
-template <std::size_t N>
-std::vector<Box> boundAll(const Points& positions, const std::vector<std::array<Index, N>>& items) {
+std::vector<Box> boundAll(const Patches& patches, const Points& positions) {
   std::vector<Box> boxes;
-  boxes.reserve(items.size());
-  for (const std::array<Index, N>& vertices : items) boxes.push_back(boundOf(positions, vertices));
+  for (Index p = 0; p < patches.size(); ++p) boxes.push_back(patches.boundOf(p, positions));
   return boxes;
 }
 
-std::vector<std::array<Index, 2>> listEdges(Index n, const std::vector<Triangle>& triangles) {
-  std::vector<std::array<Index, 2>> edges;
+std::vector<Edge> listEdges(Index n, const std::vector<Triangle>& triangles) {
+  std::vector<Edge> edges;
   for (const Triangle& t : triangles) {
     for (int k = 0; k < 3; ++k) {
       if (t[k] < 0 || t[k] >= n)
@@ -70,14 +72,15 @@ PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double t
       triangles_(triangles),
       thickness_(thickness),
       edges_(listEdges(static_cast<Index>(rest_.size()), triangles_)),
-      triangle_boxes_(boundAll(rest_, triangles_)),
-      edge_boxes_(boundAll(rest_, edges_)),
-      triangle_tree_(triangle_boxes_),
-      edge_tree_(edge_boxes_) {
+      patches_(rest_, edges_, triangles_),
+      boxes_(boundAll(patches_, rest_)),
+      tree_(boxes_),
+      balls_(patches_.size()) {
   if (!(thickness > 0.0)) throw InputError("contact: the thickness is " + std::to_string(thickness) + " m; accepted: above 0");
   std::vector<double> lengths;
   for (const auto& [a, b] : edges_) lengths.push_back((rest_[a] - rest_[b]).norm());
-  usual_radius_ = lengths.empty() ? 0.0 : std::max(kUsualRadius * findMedian(std::move(lengths)), 2.0 * thickness);
+  median_edge_ = lengths.empty() ? 0.0 : findMedian(std::move(lengths));
+  usual_radius_ = std::max(kUsualRadius * median_edge_, 2.0 * thickness);
   findCrossed();
 }
 
@@ -88,18 +91,22 @@ void PairList::keepWhole(const std::vector<char>& is_whole) {
     if (!is_whole[t]) continue;
     for (int k = 0; k < 3; ++k) {
       const Index a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
-      const std::array<Index, 2> edge{std::min(a, b), std::max(a, b)};
+      const Edge edge{std::min(a, b), std::max(a, b)};
       is_edge_whole_[std::lower_bound(edges_.begin(), edges_.end(), edge) - edges_.begin()] = 1;
     }
   }
-  reference_.clear();
+  for (Couple& couple : couples_) couple.radius = -1.0;
+  nearest_ = -1.0;
 }
 
 void PairList::findCrossed() {
+  std::vector<Box> boxes;
+  for (const Triangle& t : triangles_) boxes.push_back(boundOf(rest_, t));
+  const BoxTree tree(boxes);
   std::vector<char> crosses(triangles_.size(), 0);
-  for (const auto& edge : edges_) {
+  for (const Edge& edge : edges_) {
     const Vec3 &p = rest_[edge[0]], &q = rest_[edge[1]];
-    triangle_tree_.visitMeeting(boundOf(rest_, edge), [&](Index t) {
+    tree.visitMeeting(boundOf(rest_, edge), [&](Index t) {
       const Triangle& v = triangles_[t];
       const bool are_joined = std::any_of(v.begin(), v.end(), [&](Index i) { return i == edge[0] || i == edge[1]; });
       if (are_joined || !pierces(p, q, rest_[v[0]], rest_[v[1]], rest_[v[2]])) return;
@@ -114,26 +121,6 @@ void PairList::findCrossed() {
   num_crossed_ = std::count(crosses.begin(), crosses.end(), char{1});
 }
 
-void PairList::measureWays(const Points& positions) {
-  Vec3 mean = Vec3::Zero();
-  for (std::size_t i = 0; i < positions.size(); ++i) mean += positions[i] - reference_[i];
-  mean /= static_cast<double>(positions.size());
-  largest_way_ = 0.0;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    way_[i] = (positions[i] - reference_[i] - mean).norm();
-    largest_way_ = std::max(largest_way_, way_[i]);
-  }
-}
-
-void PairList::update(const Points& positions, double reach) {
-  if (edges_.empty()) return;
-  if (!reference_.empty()) {
-    measureWays(positions);
-    if (reach + 2.0 * largest_way_ <= radius_) return;
-  }
-  search(positions, std::max(usual_radius_, kSpare * reach));
-}
-
 bool PairList::isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair) {
   for (int v = 0; v < pair.numFirst(); ++v)
     for (int w = pair.numFirst(); w < 4; ++w) {
@@ -143,57 +130,175 @@ bool PairList::isAnyIn(const std::vector<std::array<Index, 2>>& couples, const P
   return false;
 }
 
-void PairList::offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const {
+bool PairList::areFar(const Points& positions, const Points& next, const Reach& reach) const {
+  if (edges_.empty()) return true;
+  if (at_.empty()) return false;
+  return nearest_ - findLargestRelativeWay(at_, positions) >= reach.of(findLargestRelativeWay(positions, next));
+}
+
+void PairList::update(const Points& positions, const Points& next, const Reach& reach) {
+  if (edges_.empty()) return;
+  const bool rests = &positions == &next;
+  const double farthest = reach.of(rests ? 0.0 : findLargestRelativeWay(positions, next));
+  const double gone = at_.empty() ? 0.0 : findLargestRelativeWay(at_, positions);
+  if (at_.empty()) at_ = positions;
+  patches_.measureWays(at_, positions, ways_);
+  if (rests)
+    next_ways_.assign(ways_.size(), {Vec3::Zero(), Vec3::Zero()});
+  else
+    patches_.measureWays(positions, next, next_ways_);
+  const auto markExpired = [&] {
+    expired_.clear();
+    for (Couple& couple : couples_) {
+      couple.gone = couple.used + ways_[couple.one].findRelative(ways_[couple.other]);
+      couple.reach = reach.of(next_ways_[couple.one].findRelative(next_ways_[couple.other]));
+      if (!(couple.radius - couple.gone >= couple.reach)) expired_.push_back(&couple);
+    }
+  };
+  const bool are_all_coupled = apart_ - gone >= farthest;
+  if (are_all_coupled) markExpired();
+  if (are_all_coupled && expired_.empty()) return;
+  for (Couple& couple : couples_) couple.used += ways_[couple.one].findRelative(ways_[couple.other]);
+  apart_ -= gone;
+  at_ = positions;
+  ways_.assign(ways_.size(), {Vec3::Zero(), Vec3::Zero()});
+  if (!are_all_coupled) findCouples(positions, farthest);
+  markExpired();
+  if (!expired_.empty()) searchExpired(positions);
+  nearest_ = apart_;
+  for (const Couple& couple : couples_) nearest_ = std::min(nearest_, couple.nearest - couple.used);
+}
+
+// Couples that remain keep their lists.
+void PairList::findCouples(const Points& positions, double reach) {
+  const Index num = patches_.size();
+  parallelFor(num, kBlock, [&](Index begin, Index end) {
+    for (Index p = begin; p < end; ++p) boxes_[p] = patches_.boundOf(p, positions);
+  });
+  tree_.refit(boxes_);
+  apart_ = std::max(kCoupled * median_edge_, kSpare * reach);
+  kept_.swap(couples_);
+  couples_.clear();
+  auto kept = kept_.begin();
+  std::vector<Index> near;
+  for (Index p = 0; p < num; ++p) {
+    near.clear();
+    tree_.visitMeeting(grow(boxes_[p], apart_), [&](Index q) {
+      if (q >= p) near.push_back(q);
+    });
+    std::sort(near.begin(), near.end());
+    for (const Index q : near) {
+      while (kept != kept_.end() && std::make_pair(kept->one, kept->other) < std::make_pair(p, q)) ++kept;
+      if (kept != kept_.end() && kept->one == p && kept->other == q)
+        couples_.push_back(std::move(*kept));
+      else
+        couples_.push_back({p, q, -1.0, -1.0, 0.0, 0.0, 0.0, {}});
+    }
+  }
+}
+
+void PairList::searchExpired(const Points& positions) {
+  num_searches_ += static_cast<Index>(expired_.size());
+  patches_of_expired_.clear();
+  for (const Couple* couple : expired_) {
+    patches_of_expired_.push_back(couple->one);
+    patches_of_expired_.push_back(couple->other);
+  }
+  std::sort(patches_of_expired_.begin(), patches_of_expired_.end());
+  patches_of_expired_.erase(std::unique(patches_of_expired_.begin(), patches_of_expired_.end()), patches_of_expired_.end());
+  parallelFor(static_cast<Index>(patches_of_expired_.size()), kBlock, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) enclose(patches_of_expired_[k], positions);
+  });
+  parallelFor(static_cast<Index>(expired_.size()), kBlock, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) search(positions, *expired_[k]);
+  });
+}
+
+void PairList::enclose(Index patch, const Points& positions) {
+  Balls& balls = balls_[patch];
+  balls.vertices.clear();
+  balls.edges.clear();
+  balls.triangles.clear();
+  boxes_[patch].setEmpty();
+  const auto isWhole = [](const std::vector<char>& marks, Index i) { return marks.empty() || marks[i] != 0; };
+  patches_.visitVertices(patch, [&](Index v) {
+    balls.vertices.push_back({positions[v], 0.0, v});
+    boxes_[patch].extend(positions[v]);
+  });
+  patches_.visitEdges(patch, [&](Index e) {
+    if (!isWhole(is_edge_whole_, e)) return;
+    const Vec3 &a = positions[edges_[e][0]], &b = positions[edges_[e][1]];
+    balls.edges.push_back({0.5 * (a + b), 0.5 * (b - a).norm(), e});
+    boxes_[patch].extend(a).extend(b);
+  });
+  patches_.visitTriangles(patch, [&](Index t) {
+    if (!isWhole(is_whole_, t)) return;
+    const Vec3 &a = positions[triangles_[t][0]], &b = positions[triangles_[t][1]], &c = positions[triangles_[t][2]];
+    const Vec3 middle = (a + b + c) / 3.0;
+    const double squared = std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()});
+    balls.triangles.push_back({middle, std::sqrt(squared), t});
+    boxes_[patch].extend(a).extend(b).extend(c);
+  });
+}
+
+void PairList::search(const Points& positions, Couple& couple) const {
+  couple.radius = std::max(usual_radius_, kSpare * couple.reach);
+  couple.used = couple.gone = 0.0;
+  couple.listed.clear();
+  const Balls &one = balls_[couple.one], &other = balls_[couple.other];
+  const double gap = boxes_[couple.one].exteriorDistance(boxes_[couple.other]);
+  if (gap >= couple.radius) {
+    couple.radius = couple.nearest = gap;
+    return;
+  }
+  const Box near_one = grow(boxes_[couple.one], couple.radius), near_other = grow(boxes_[couple.other], couple.radius);
+  // Those of the first balls that are near the second's patch with those of the second that are near the first's.
+  std::vector<Ball> candidates;
+  const auto match = [&](const std::vector<Ball>& first, const Box& near_second, const std::vector<Ball>& second,
+                         const Box& near_first, const auto& visit) {
+    candidates.clear();
+    for (const Ball& b : second)
+      if (near_first.squaredExteriorDistance(b.center) <= b.radius * b.radius) candidates.push_back(b);
+    if (candidates.empty()) return;
+    for (const Ball& a : first) {
+      if (near_second.squaredExteriorDistance(a.center) > a.radius * a.radius) continue;
+      for (const Ball& b : candidates) {
+        const double most = couple.radius + a.radius + b.radius;
+        if ((a.center - b.center).squaredNorm() < most * most) visit(a.item, b.item);
+      }
+    }
+  };
+  const auto offerTriangle = [&](Index v, Index t) {
+    const auto& [a, b, c] = triangles_[t];
+    if (v != a && v != b && v != c) offer(positions, {{v, a, b, c}, false, 0.0}, couple);
+  };
+  const auto offerEdges = [&](Index e, Index f) {
+    const auto& [a, b] = edges_[std::min(e, f)];
+    const auto& [c, d] = edges_[std::max(e, f)];
+    if (a != c && a != d && b != c && b != d) offer(positions, {{a, b, c, d}, true, 0.0}, couple);
+  };
+  match(one.vertices, near_other, other.triangles, near_one, offerTriangle);
+  if (couple.one == couple.other) {
+    for (auto a = one.edges.begin(); a != one.edges.end(); ++a)
+      for (auto b = std::next(a); b != one.edges.end(); ++b) {
+        const double most = couple.radius + a->radius + b->radius;
+        if ((a->center - b->center).squaredNorm() < most * most) offerEdges(a->item, b->item);
+      }
+  } else {
+    match(other.vertices, near_one, one.triangles, near_other, offerTriangle);
+    match(one.edges, near_other, other.edges, near_one, offerEdges);
+  }
+  couple.nearest = couple.radius;
+  for (const Listed& listed : couple.listed) couple.nearest = std::min(couple.nearest, listed.distance);
+}
+
+void PairList::offer(const Points& positions, Pair pair, Couple& couple) const {
   const double squared = findClosest(pair, positions).squaredDistance();
-  if (!(squared < radius * radius) || (!crossed_.empty() && isAnyIn(crossed_, pair))) return;
+  if (!(squared < couple.radius * couple.radius) || (!crossed_.empty() && isAnyIn(crossed_, pair))) return;
   const double at_rest = std::sqrt(findClosest(pair, rest_).squaredDistance());
   pair.thickness = std::min(thickness_, kOfRest * at_rest);
   if (kOfRestJoined * at_rest < thickness_ && isAnyIn(edges_, pair)) pair.thickness = kOfRestJoined * at_rest;
-  if (pair.thickness > 0.0) found.emplace_back(pair, std::sqrt(squared));
-}
-
-void PairList::search(const Points& positions, double radius) {
-  ++num_searches_;
-  const Index n = static_cast<Index>(positions.size()), num_edges = static_cast<Index>(edges_.size());
-  // No box meets an empty one.
-  const auto isWhole = [](const std::vector<char>& marks, std::size_t i) { return marks.empty() || marks[i] != 0; };
-  for (std::size_t t = 0; t < triangles_.size(); ++t)
-    triangle_boxes_[t] = isWhole(is_whole_, t) ? boundOf(positions, triangles_[t]) : Box();
-  for (Index e = 0; e < num_edges; ++e) edge_boxes_[e] = isWhole(is_edge_whole_, e) ? boundOf(positions, edges_[e]) : Box();
-  triangle_tree_.refit(triangle_boxes_);
-  edge_tree_.refit(edge_boxes_);
-  std::vector<std::vector<std::pair<Pair, double>>> blocks((n + kBlock - 1) / kBlock + (num_edges + kBlock - 1) / kBlock);
-  parallelFor(n, kBlock, [&](Index begin, Index end) {
-    for (Index v = begin; v < end; ++v) {
-      triangle_tree_.visitMeeting(grow(Box(positions[v]), radius), [&](Index t) {
-        const auto& [a, b, c] = triangles_[t];
-        if (v != a && v != b && v != c) offer(positions, radius, {{v, a, b, c}, false, 0.0}, blocks[begin / kBlock]);
-      });
-    }
-  });
-  parallelFor(num_edges, kBlock, [&](Index begin, Index end) {
-    auto& block = blocks[(n + kBlock - 1) / kBlock + begin / kBlock];
-    for (Index e = begin; e < end; ++e) {
-      if (!isWhole(is_edge_whole_, e)) continue;
-      const auto& [a, b] = edges_[e];
-      edge_tree_.visitMeeting(grow(edge_boxes_[e], radius), [&](Index f) {
-        const auto& [c, d] = edges_[f];
-        if (f > e && a != c && a != d && b != c && b != d) offer(positions, radius, {{a, b, c, d}, true, 0.0}, block);
-      });
-    }
-  });
-  pairs_.clear();
-  distance_.clear();
-  for (const auto& block : blocks) {
-    for (const auto& [pair, distance] : block) {
-      pairs_.push_back(pair);
-      distance_.push_back(distance);
-    }
-  }
-  reference_ = positions;
-  radius_ = radius;
-  way_.assign(n, 0.0);
-  largest_way_ = 0.0;
+  if (pair.thickness > 0.0) couple.listed.push_back({pair, std::sqrt(squared)});
 }
 
 }  // namespace deformable_surface::contact

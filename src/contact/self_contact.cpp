@@ -38,12 +38,12 @@ void SelfContact::keepWhole(const std::vector<char>& is_whole) {
   measured_reach_ = 0.0;
 }
 
-bool SelfContact::touches(const Near& near) { return near.distance < near.pair->thickness && near.distance > 0.0; }
+bool SelfContact::touches(const Near& near) { return near.distance < near.pair.thickness && near.distance > 0.0; }
 
 void SelfContact::addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix) {
   for (int v = 0; v < 4; ++v)
     for (int w = 0; w <= v; ++w)
-      matrix.add(near.pair->vertices[v], near.pair->vertices[w], near.closest.weight[v] * near.closest.weight[w] * block);
+      matrix.add(near.pair.vertices[v], near.pair.vertices[w], near.closest.weight[v] * near.closest.weight[w] * block);
 }
 
 // Pairs nearer than reach, or than the thickness.
@@ -52,10 +52,10 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
   if (reach <= measured_reach_ && positions == measured_at_) return near_;
   list_.update(positions, reach);
   near_.clear();
-  list_.visitNear(reach, [&](const Pair& pair) {
+  list_.visitNear([&](const Pair& pair) {
     const Closest closest = findClosest(pair, positions);
     const double squared = closest.squaredDistance();
-    if (squared < reach * reach) near_.push_back({&pair, closest, std::sqrt(squared)});
+    if (squared < reach * reach) near_.push_back({pair, closest, std::sqrt(squared)});
   });
   measured_at_ = positions;
   measured_reach_ = reach;
@@ -83,26 +83,25 @@ bool SelfContact::staysUncrossed(const Points& before, const Points& after) {
   return false;
 }
 
-// Whether no pair is nearer than its thickness: true only if that is quick to prove.
-bool SelfContact::isApart(const Points& positions) {
-  if (clearance_.isApartAt(positions)) return true;
-  motion_.assign(positions.size(), Vec3::Zero());
-  return clearance_.prove(positions, motion_, 0.0) && clearance_.isApart();
-}
-
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
   forgetMotion();
   if (clearance_.prove(positions, velocities, time) && clearance_.isApart()) return false;
-  for (const Near& near : measure(positions, list_.usualReach())) {
-    const double watched = kWatched * near.pair->thickness;
-    if (near.distance < watched) return true;
+  for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = positions[i] + time * velocities[i];
+  const PairList::Reach reach{kWatched * list_.thickness(), 1.0, list_.usualReach()};
+  if (list_.areFar(positions, motion_, reach)) return false;
+  list_.update(positions, motion_, reach);
+  bool may_touch = false;
+  list_.visitNear([&](const Pair& pair) {
+    if (may_touch) return;
+    const Closest closest = findClosest(pair, positions);
+    const double distance = std::sqrt(closest.squaredDistance()), watched = kWatched * pair.thickness;
+    if (!(distance < list_.usualReach())) return;
     // The rate of the distance: a common rotation brings no parts nearer.
     double rate = 0.0;
-    for (int v = 0; v < 4; ++v)
-      rate += near.closest.weight[v] * near.closest.gap.dot(velocities[near.pair->vertices[v]]) / near.distance;
-    if (near.distance + time * rate < watched) return true;
-  }
-  return false;
+    for (int v = 0; v < 4; ++v) rate += closest.weight[v] * closest.gap.dot(velocities[pair.vertices[v]]) / distance;
+    may_touch = distance < watched || distance + time * rate < watched;
+  });
+  return may_touch;
 }
 
 // Looks at the way in pieces: limit() is the more cautious, the longer a piece is.
@@ -143,7 +142,7 @@ double SelfContact::stiffness(const Pair& pair) const {
 
 void SelfContact::addForces(const Points& positions, Points& forces) {
   for (const Near& near : measure(positions, 0.0)) {
-    const Pair& pair = *near.pair;
+    const Pair& pair = near.pair;
     const double depth = pair.thickness - near.distance;
     if (!(depth > 0.0) || !(near.distance > 0.0)) continue;
     const Vec3 force = stiffness(pair) * depth / near.distance * near.closest.gap;
@@ -154,7 +153,7 @@ void SelfContact::addForces(const Points& positions, Points& forces) {
 void SelfContact::addDampingForces(const Points& positions, const Points& velocities, Points& forces) {
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
-    const Pair& pair = *near.pair;
+    const Pair& pair = near.pair;
     const Vec3 normal = near.closest.gap / near.distance;
     double speed = 0.0;
     for (int v = 0; v < 4; ++v) speed += near.closest.weight[v] * normal.dot(velocities[pair.vertices[v]]);
@@ -166,7 +165,7 @@ void SelfContact::addDampingForces(const Points& positions, const Points& veloci
 double SelfContact::potential(const Points& positions) {
   double sum = 0.0;
   for (const Near& near : measure(positions, 0.0)) {
-    const Pair& pair = *near.pair;
+    const Pair& pair = near.pair;
     const double depth = pair.thickness - near.distance;
     if (depth > 0.0) sum += 0.5 * stiffness(pair) * depth * depth;
   }
@@ -177,7 +176,7 @@ void SelfContact::addStiffness(const Points& positions, double step, BlockSparse
   const double damping = step > 0.0 ? 2.0 * params_.damping / (params_.rate * step) : 0.0;
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
-    const Pair& pair = *near.pair;
+    const Pair& pair = near.pair;
     const Vec3 normal = near.closest.gap / near.distance;
     addToMatrix(near, (1.0 + damping) * stiffness(pair) * normal * normal.transpose(), stiffness_matrix);
   }
@@ -185,7 +184,7 @@ void SelfContact::addStiffness(const Points& positions, double step, BlockSparse
 
 void SelfContact::addRowBounds(const Points& positions, std::vector<double>& stiffness_bounds, std::vector<double>& damping) {
   for (const Near& near : measure(positions, 0.0)) {
-    const Pair& pair = *near.pair;
+    const Pair& pair = near.pair;
     if (!(near.distance < pair.thickness)) continue;
     // The absolute weights sum to two.
     for (int v = 0; v < 4; ++v) {
@@ -197,7 +196,7 @@ void SelfContact::addRowBounds(const Points& positions, std::vector<double>& sti
 }
 
 SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const {
-  const Pair& pair = *near.pair;
+  const Pair& pair = near.pair;
   const double spring = stiffness(pair), pressing = spring * (pair.thickness - near.distance);
   const FrictionLaw law{params_.friction * pressing, params_.kinetic_friction * pressing, spring,
                         2.0 * params_.damping * spring / params_.rate};
@@ -213,7 +212,7 @@ SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions,
 
 Vec3 SelfContact::findSliding(const Near& near, const Points& velocities) {
   Vec3 relative = Vec3::Zero();
-  for (int v = 0; v < 4; ++v) relative += near.closest.weight[v] * velocities[near.pair->vertices[v]];
+  for (int v = 0; v < 4; ++v) relative += near.closest.weight[v] * velocities[near.pair.vertices[v]];
   const Vec3 normal = near.closest.gap / near.distance;
   return relative - relative.dot(normal) * normal;
 }
@@ -224,7 +223,7 @@ void SelfContact::addFriction(const Points& positions, const Points& velocities,
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     const Vec3 force = rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slides);
-    for (int v = 0; v < 4; ++v) forces[near.pair->vertices[v]] += near.closest.weight[v] * force;
+    for (int v = 0; v < 4; ++v) forces[near.pair.vertices[v]] += near.closest.weight[v] * force;
   }
 }
 
@@ -262,7 +261,7 @@ void SelfContact::moveAnchors(const Points& positions, const Points& velocities,
       next_.push_back(*rub.anchor);
       next_.back().slides = false;
     } else {
-      const Pair& pair = *near.pair;
+      const Pair& pair = near.pair;
       next_.push_back({pair.vertices, pair.is_edges, near.closest.weight, near.closest.gap - stretch, slides});
     }
   }
@@ -272,7 +271,7 @@ void SelfContact::moveAnchors(const Points& positions, const Points& velocities,
 }
 
 SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& before) const {
-  const Pair& pair = *near.pair;
+  const Pair& pair = near.pair;
   Approach approach;
   approach.vertices = pair.vertices;
   approach.num_first = pair.numFirst();
@@ -379,10 +378,27 @@ void SelfContact::stopTogether() {
   }
 }
 
+bool SelfContact::mustStop(const Points& before, const Points& after) {
+  const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
+  if (staysUncrossed(before, after) || list_.areFar(before, after, reach)) return false;
+  list_.update(before, after, reach);
+  ways_.resize(before.size());
+  bool must_stop = false;
+  list_.visitNear([&](const Pair& pair) {
+    if (must_stop) return;
+    const Closest closest = findClosest(pair, before);
+    const Near near{pair, closest, std::sqrt(closest.squaredDistance())};
+    if (!(near.distance > 0.0)) return;
+    for (const Index v : pair.vertices) ways_[v] = after[v] - before[v];
+    must_stop = findWorst(makeApproach(near, before)).excess > 0.0;
+  });
+  return must_stop;
+}
+
 const std::vector<Index>& SelfContact::limit(const Points& before, Points& after) {
   const Index n = static_cast<Index>(before.size());
   cut_.clear();
-  if (staysUncrossed(before, after)) return cut_;
+  if (!mustStop(before, after)) return cut_;
   // Common motion brings no parts nearer.
   Vec3 shared = Vec3::Zero();
   bool does_one_stay = false;
@@ -421,7 +437,6 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
 }
 
 Index SelfContact::countTouching(const Points& positions) {
-  if (isApart(positions)) return 0;
   const std::vector<Near>& all = measure(positions, 0.0);
   return static_cast<Index>(std::count_if(all.begin(), all.end(), touches));
 }
@@ -429,25 +444,23 @@ Index SelfContact::countTouching(const Points& positions) {
 std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, const Points& velocities,
                                                       const std::vector<PairAnchor>& anchors) {
   std::vector<SelfContactForce> list;
-  if (isApart(positions)) return list;
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
-    const double depth = near.pair->thickness - near.distance;
-    Vec3 force = stiffness(*near.pair) * depth / near.distance * near.closest.gap;
+    const double depth = near.pair.thickness - near.distance;
+    Vec3 force = stiffness(near.pair) * depth / near.distance * near.closest.gap;
     if (params_.friction > 0.0) {
       const Rub rub = findRub(near, positions, anchors);
       force += rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slides);
     }
-    list.push_back({*near.pair, near.closest, depth, force});
+    list.push_back({near.pair, near.closest, depth, force});
   }
   return list;
 }
 
 double SelfContact::leastDistance(const Points& positions) {
   double least = std::numeric_limits<double>::infinity();
-  if (isApart(positions)) return least;
   for (const Near& near : measure(positions, 0.0))
-    if (near.distance < near.pair->thickness) least = std::min(least, near.distance);
+    if (near.distance < near.pair.thickness) least = std::min(least, near.distance);
   return least;
 }
 

@@ -3,14 +3,14 @@
 
 #include "deformable_surface/contact/box_tree.h"
 #include "deformable_surface/contact/closest_points.h"
+#include "deformable_surface/contact/patches.h"
 
+#include <algorithm>
 #include <array>
-#include <utility>
+#include <limits>
 #include <vector>
 
 namespace deformable_surface::contact {
-
-using Triangle = std::array<Index, 3>;
 
 struct Pair {
   std::array<Index, 4> vertices;  // vertex and triangle: the vertex first; edges: two and two
@@ -27,8 +27,21 @@ inline Closest findClosest(const Pair& pair, const Points& positions) {
 }
 
 /// Lists the near pairs, and determines how long the list is valid.
+///
+/// The surface is divided into patches. Each couple of near patches has a list of its own. The list remains valid until the two
+/// patches have moved far enough relative to each other. Only then the couple is searched again. So the cost depends on how
+/// fast the surface deforms, and only where it does.
 class PairList {
  public:
+  /// How near pairs must be to be listed: nearer than `least` and `of_way` times their relative way, but at most `most`.
+  struct Reach {
+    double least;                                           // m
+    double of_way = 0.0;                                    // of a bound of the relative way of the pair's patches
+    double most = std::numeric_limits<double>::infinity();  // m
+
+    double of(double way) const { return std::min(most, least + of_way * way); }
+  };
+
   /// rest: (n) m. thickness: m. Pairs that touch at rest are omitted. So is what passes through each other at rest: all pairs
   /// that have an end of an edge and a corner of a triangle which that edge crosses.
   PairList(Points rest, const std::vector<Triangle>& triangles, double thickness);
@@ -36,23 +49,21 @@ class PairList {
   /// Leaves out the triangles that are cut or torn, and the edges that are left without any: (triangles) 1 = whole. Points
   /// without triangles stay. The pairs that remain are those of before, so none begins in contact.
   void keepWhole(const std::vector<char>& is_whole);
-  /// Ensures that every pair nearer than reach (m) is listed. Rebuilds the list if points have moved too far since the last
-  /// search, relative to their mean motion.
-  void update(const Points& positions, double reach);
 
-  /// Calls visit(pair) for the pairs that may be nearer than reach (m), which must not exceed that of the last update(). The
-  /// order does not depend on when the list was built.
+  /// Whether no pair is within reach at `positions`, for paths from there to `next`: true only if that is quick to tell.
+  bool areFar(const Points& positions, const Points& next, const Reach& reach) const;
+  /// Ensures that every pair is listed that is within reach at `positions`, for paths from there to `next`.
+  void update(const Points& positions, const Points& next, const Reach& reach);
+  /// The same for points that rest: every pair nearer than reach (m).
+  void update(const Points& positions, double reach) { update(positions, positions, {reach}); }
+  /// Calls visit(pair) for the pairs that may be within reach at the positions of the last update(). The order does not depend on
+  /// when the lists were built.
   template <class Visit>
-  void visitNear(double reach, const Visit& visit) const {
-    for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      const double room = distance_[p] - reach;
-      if (room > 2.0 * largest_way_) continue;
-      const Pair& pair = pairs_[p];
-      const double second = std::max(way_[pair.vertices[2]], way_[pair.vertices[3]]);
-      const double first = pair.is_edges ? way_[pair.vertices[0]] : 0.0;
-      const double other = way_[pair.vertices[pair.is_edges ? 1 : 0]];
-      if (room > (pair.is_edges ? std::max(first, other) + second : other + std::max(way_[pair.vertices[1]], second))) continue;
-      visit(pair);
+  void visitNear(const Visit& visit) const {
+    for (const Couple& couple : couples_) {
+      if (couple.nearest - couple.gone >= couple.reach) continue;
+      for (const Listed& listed : couple.listed)
+        if (listed.distance - couple.gone < couple.reach) visit(listed.pair);
     }
   }
   double thickness() const { return thickness_; }
@@ -61,36 +72,68 @@ class PairList {
   const Vec3& firstCrossing() const { return first_crossing_; }  // m, at rest; only if there is one
   /// m: a search up to this distance costs no more than one for touching pairs.
   double usualReach() const { return kUsualReach * usual_radius_; }
+  /// Number of searches of couples of patches.
   Index numSearches() const { return num_searches_; }
 
  private:
   static constexpr double kUsualReach = 0.5;  // the remainder is the allowed motion until the next search
 
+  struct Listed {
+    Pair pair;
+    double distance;  // m, when the couple was searched
+  };
+  // Two patches, or one and itself.
+  struct Couple {
+    Index one, other;
+    double radius;   // m: pairs that are not listed were farther apart when the couple was searched; negative: not searched
+    double nearest;  // m: no pair was nearer then
+    double used;     // m, bound of the relative way from then to at_
+    double gone;     // m, the same to the positions of the last update()
+    double reach;    // m, of the last update()
+    std::vector<Listed> listed;
+  };
+
+  // A ball that contains a primitive.
+  struct Ball {
+    Vec3 center;    // m
+    double radius;  // m
+    Index item;
+  };
+  struct Balls {
+    std::vector<Ball> vertices, edges, triangles;
+  };
+
   void findCrossed();
   /// Whether a vertex of each primitive are one of the couples, which are ascending, the lower vertex first.
   static bool isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair);
-  void measureWays(const Points& positions);
-  void search(const Points& positions, double radius);
-  void offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const;
+  void findCouples(const Points& positions, double reach);
+  void searchExpired(const Points& positions);
+  void enclose(Index patch, const Points& positions);
+  void search(const Points& positions, Couple& couple) const;
+  void offer(const Points& positions, Pair pair, Couple& couple) const;
 
   const Points rest_;
   const std::vector<Triangle> triangles_;
   const double thickness_;
-  std::vector<std::array<Index, 2>> edges_;
+  std::vector<Edge> edges_;
+  Patches patches_;
+  double median_edge_ = 0.0;                    // m, at rest
   std::vector<char> is_whole_, is_edge_whole_;  // (triangles), (edges); empty: all are
-  std::vector<Box> triangle_boxes_, edge_boxes_;
-  BoxTree triangle_tree_, edge_tree_;
-  double usual_radius_ = 0.0;                  // m, of a search
-  std::vector<std::array<Index, 2>> crossed_;  // an end of an edge and a corner of a triangle that it crosses at rest
+  double usual_radius_ = 0.0;                   // m, of a search
+  std::vector<std::array<Index, 2>> crossed_;   // an end of an edge and a corner of a triangle that it crosses at rest
   Index num_crossed_ = 0;
   Vec3 first_crossing_ = Vec3::Zero();
 
-  Points reference_;          // m, positions at the last search; empty: no search yet
-  double radius_ = 0.0;       // m: nearer pairs were listed
-  std::vector<double> way_;   // (n) m, motion of the points since the search, less their mean
-  double largest_way_ = 0.0;  // m
-  std::vector<Pair> pairs_;
-  std::vector<double> distance_;  // m, of the pairs at the search
+  Points at_;                                    // m, where the ways of all couples are counted from; empty: nowhere yet
+  double nearest_ = -1.0;                        // m: no pair was nearer there
+  std::vector<Patches::Ways> ways_, next_ways_;  // from at_ to the positions of the last update(), and on to `next`
+  std::vector<Box> boxes_;                       // of the patches
+  BoxTree tree_;                                 // of these
+  std::vector<Couple> couples_, kept_;           // ascending
+  double apart_ = -1.0;                          // m: patches that are no couple are farther apart
+  std::vector<Couple*> expired_;                 // to be searched
+  std::vector<Index> patches_of_expired_;
+  std::vector<Balls> balls_;  // (patches), of the patches of expired couples
   Index num_searches_ = 0;
 };
 

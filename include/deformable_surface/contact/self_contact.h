@@ -43,7 +43,7 @@ class SelfContact {
   /// See SelfContactParams.
   void setRate(double rate) { params_.rate = rate; }
   /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
-  /// changing at its present rate. Checks only the pairs in the usual list, and none if Clearance proves that they stay apart.
+  /// changing at its present rate. Checks only pairs that are nearer than PairList::usualReach().
   bool mayTouch(const Points& positions, const Points& velocities, double time);
   /// Whether no two parts cross on straight paths from before to after, (n x 3) m, nor are nearer than their thickness at the
   /// end. False also where 64 pieces of the paths do not tell, as for paths of hundreds of spacings.
@@ -91,7 +91,7 @@ class SelfContact {
 
  private:
   struct Near {
-    const Pair* pair;
+    Pair pair;
     Closest closest;
     double distance;
   };
@@ -122,7 +122,8 @@ class SelfContact {
   static Vec3 findSliding(const Near& near, const Points& velocities);
 
   bool staysUncrossed(const Points& before, const Points& after);
-  bool isApart(const Points& positions);
+  /// Whether a pair may use up its room on the paths.
+  bool mustStop(const Points& before, const Points& after);
   static bool touches(const Near& near);
   /// Adds the block, given at the gap, to the blocks of the pair's vertices.
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
