@@ -24,6 +24,8 @@ constexpr double kOfRest = 0.9;
 constexpr double kOfRestJoined = 0.5;
 // Boxes of patches that are nearer make a couple, as a fraction of the median edge.
 constexpr double kCoupled = 3.0;
+// Visits of pairs, for each listed pair, until all are measured again.
+constexpr std::size_t kMostVisits = 1;
 constexpr Index kBlock = 4;  // patches or couples per task
 
 Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
@@ -147,26 +149,51 @@ void PairList::update(const Points& positions, const Points& next, const Reach& 
     next_ways_.assign(ways_.size(), {Vec3::Zero(), Vec3::Zero()});
   else
     patches_.measureWays(positions, next, next_ways_);
-  const auto markExpired = [&] {
-    expired_.clear();
-    for (Couple& couple : couples_) {
-      couple.gone = couple.used + ways_[couple.one].findRelative(ways_[couple.other]);
-      couple.reach = reach.of(next_ways_[couple.one].findRelative(next_ways_[couple.other]));
-      if (!(couple.radius - couple.gone >= couple.reach)) expired_.push_back(&couple);
-    }
-  };
-  const bool are_all_coupled = apart_ - gone >= farthest;
-  if (are_all_coupled) markExpired();
-  if (are_all_coupled && expired_.empty()) return;
-  for (Couple& couple : couples_) couple.used += ways_[couple.one].findRelative(ways_[couple.other]);
+  const bool are_all_coupled = apart_ - gone >= farthest, are_worn = num_visits_ > kMostVisits * num_listed_;
+  markExpired(reach);
+  if (are_all_coupled && expired_.empty() && !are_worn) return;
+
+  for (Couple& couple : couples_) couple.used = couple.gone;
   apart_ -= gone;
   at_ = positions;
   ways_.assign(ways_.size(), {Vec3::Zero(), Vec3::Zero()});
+  if (are_worn) measureAgain(positions);
   if (!are_all_coupled) findCouples(positions, farthest);
-  markExpired();
+  markExpired(reach);
   if (!expired_.empty()) searchExpired(positions);
   nearest_ = apart_;
-  for (const Couple& couple : couples_) nearest_ = std::min(nearest_, couple.nearest - couple.used);
+  num_listed_ = 0;
+  for (const Couple& couple : couples_) {
+    nearest_ = std::min(nearest_, couple.nearest - couple.used);
+    num_listed_ += couple.listed.size();
+  }
+}
+
+// Determines how far the couples have moved, how near their pairs must be to be listed, and which lists may lack some.
+void PairList::markExpired(const Reach& reach) {
+  expired_.clear();
+  for (Couple& couple : couples_) {
+    couple.gone = couple.used + ways_[couple.one].findRelative(ways_[couple.other]);
+    couple.reach = reach.of(next_ways_[couple.one].findRelative(next_ways_[couple.other]));
+    if (!(couple.radius - couple.gone >= couple.reach)) expired_.push_back(&couple);
+  }
+}
+
+// The bounds of the distances become loose while the surface moves. Where many pairs are within reach, new ones cost less.
+void PairList::measureAgain(const Points& positions) {
+  num_visits_ = 0;
+  parallelFor(static_cast<Index>(couples_.size()), kBlock, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) {
+      Couple& couple = couples_[k];
+      couple.radius -= couple.used;
+      couple.used = 0.0;
+      couple.nearest = couple.radius;
+      for (Listed& listed : couple.listed) {
+        listed.distance = std::sqrt(findClosest(listed.pair, positions).squaredDistance());
+        couple.nearest = std::min(couple.nearest, listed.distance);
+      }
+    }
+  });
 }
 
 // Couples that remain keep their lists.

@@ -52,7 +52,7 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
   if (reach <= measured_reach_ && positions == measured_at_) return near_;
   list_.update(positions, reach);
   near_.clear();
-  list_.visitNear([&](const Pair& pair) {
+  list_.visitNear([&](const Pair& pair, double) {
     const Closest closest = findClosest(pair, positions);
     const double squared = closest.squaredDistance();
     if (squared < reach * reach) near_.push_back({pair, closest, std::sqrt(squared)});
@@ -91,7 +91,7 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
   if (list_.areFar(positions, motion_, reach)) return false;
   list_.update(positions, motion_, reach);
   bool may_touch = false;
-  list_.visitNear([&](const Pair& pair) {
+  list_.visitNear([&](const Pair& pair, double) {
     if (may_touch) return;
     const Closest closest = findClosest(pair, positions);
     const double distance = std::sqrt(closest.squaredDistance()), watched = kWatched * pair.thickness;
@@ -384,12 +384,19 @@ bool SelfContact::mustStop(const Points& before, const Points& after) {
   list_.update(before, after, reach);
   ways_.resize(before.size());
   bool must_stop = false;
-  list_.visitNear([&](const Pair& pair) {
+  list_.visitNear([&](const Pair& pair, double least) {
     if (must_stop) return;
+    for (const Index v : pair.vertices) ways_[v] = after[v] - before[v];
+    double nearing = 0.0;  // squared, at most
+    for (int v = 0; v < pair.numFirst(); ++v)
+      for (int w = pair.numFirst(); w < 4; ++w)
+        nearing = std::max(nearing, (ways_[pair.vertices[v]] - ways_[pair.vertices[w]]).squaredNorm());
+    nearing = std::sqrt(nearing);
+    const auto isRoomFor = [&](double distance) { return kOfRoom * (distance - kLeast * pair.thickness) > nearing; };
+    if (isRoomFor(least)) return;
     const Closest closest = findClosest(pair, before);
     const Near near{pair, closest, std::sqrt(closest.squaredDistance())};
-    if (!(near.distance > 0.0)) return;
-    for (const Index v : pair.vertices) ways_[v] = after[v] - before[v];
+    if (!(near.distance > 0.0) || isRoomFor(near.distance)) return;
     must_stop = findWorst(makeApproach(near, before)).excess > 0.0;
   });
   return must_stop;

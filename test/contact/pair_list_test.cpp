@@ -19,7 +19,8 @@ using Found = std::vector<std::array<Index, 5>>;  // vertices, and 1 for edges
 Found listNear(PairList& list, const Points& positions, double reach) {
   list.update(positions, reach);
   Found found;
-  list.visitNear([&](const Pair& pair) {
+  list.visitNear([&](const Pair& pair, double least) {
+    EXPECT_LE(least, findClosest(pair, positions).gap.norm() + 1e-15);
     if (findClosest(pair, positions).gap.norm() < reach)
       found.push_back({pair.vertices[0], pair.vertices[1], pair.vertices[2], pair.vertices[3], pair.is_edges});
   });
@@ -111,7 +112,7 @@ TEST(PairList, HasAllThatComeWithinReachOfTheirWays) {
     const bool are_far = list.areFar(positions, next, reach);
     list.update(positions, next, reach);
     std::set<std::array<Index, 5>> visited;
-    list.visitNear([&](const Pair& pair) {
+    list.visitNear([&](const Pair& pair, double) {
       visited.insert({pair.vertices[0], pair.vertices[1], pair.vertices[2], pair.vertices[3], pair.is_edges});
     });
     for (const std::array<Index, 5>& found : findAll(sheets, positions, reach.most)) {
@@ -137,7 +138,7 @@ TEST(PairList, TakesPartsThatAreNearAtRestForThinnerAndLeavesOutWhatCrosses) {
   PairList list(sheets.points, sheets.triangles, 0.003);
   list.update(sheets.points, 0.003);
   Index num = 0;
-  list.visitNear([&](const Pair& pair) {
+  list.visitNear([&](const Pair& pair, double) {
     const double distance = findClosest(pair, sheets.points).gap.norm();
     EXPECT_LE(pair.thickness, 0.9 * distance + 1e-15);
     num += pair.thickness < 0.001;
@@ -147,7 +148,7 @@ TEST(PairList, TakesPartsThatAreNearAtRestForThinnerAndLeavesOutWhatCrosses) {
   test::Sheets crossing = test::makeSheets(2, 5, 0.0, 0.0);  // in one plane
   PairList none(crossing.points, crossing.triangles, 0.003);
   none.update(crossing.points, 0.003);
-  none.visitNear([&](const Pair& pair) { EXPECT_GT(findClosest(pair, crossing.points).gap.norm(), 0.0); });
+  none.visitNear([&](const Pair& pair, double) { EXPECT_GT(findClosest(pair, crossing.points).gap.norm(), 0.0); });
 }
 
 TEST(PairList, WhatPassesThroughOneLayerKeepsItsPairsWithOthers) {
@@ -158,7 +159,7 @@ TEST(PairList, WhatPassesThroughOneLayerKeepsItsPairsWithOthers) {
   EXPECT_GT(list.numCrossed(), 0);
   list.update(sheets.points, 0.02);
   int num_of_tip = 0, num_below = 0;  // pairs of the tip with the third layer, and of the others with the first
-  list.visitNear([&](const Pair& pair) {
+  list.visitNear([&](const Pair& pair, double) {
     bool has_tip = false, has_first = false, has_third = false, has_other = false;
     for (const Index v : pair.vertices) {
       has_tip = has_tip || v == kTip;
@@ -200,7 +201,7 @@ TEST(PairList, TakesNeighborsForThinnerThanOtherParts) {
   PairList list(points, {{0, 1, 2}, {0, 2, 3}, {1, 4, 2}, {2, 4, 5}}, 0.01);
   list.update(points, 0.01);
   int num = 0;
-  list.visitNear([&](const Pair& pair) {
+  list.visitNear([&](const Pair& pair, double) {
     const double at_rest = findClosest(pair, points).gap.norm();
     EXPECT_NEAR(pair.thickness, std::min(0.01, 0.5 * at_rest), 1e-12);
     ++num;
@@ -211,7 +212,7 @@ TEST(PairList, TakesNeighborsForThinnerThanOtherParts) {
 TEST(PairList, OfNothingIsEmpty) {
   PairList list({}, {}, 0.001);
   list.update({}, 0.001);
-  list.visitNear([](const Pair&) { ADD_FAILURE(); });
+  list.visitNear([](const Pair&, double) { ADD_FAILURE(); });
 }
 
 TEST(PairList, RefusesWhatIsNoSurface) {

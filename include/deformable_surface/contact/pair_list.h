@@ -56,14 +56,18 @@ class PairList {
   void update(const Points& positions, const Points& next, const Reach& reach);
   /// The same for points that rest: every pair nearer than reach (m).
   void update(const Points& positions, double reach) { update(positions, positions, {reach}); }
-  /// Calls visit(pair) for the pairs that may be within reach at the positions of the last update(). The order does not depend on
-  /// when the lists were built.
+  /// Calls visit(pair, least) for the pairs that may be within reach at the positions of the last update(). least: m, a lower
+  /// bound of their distance there. The order does not depend on when the lists were built.
   template <class Visit>
-  void visitNear(const Visit& visit) const {
+  void visitNear(const Visit& visit) {
     for (const Couple& couple : couples_) {
       if (couple.nearest - couple.gone >= couple.reach) continue;
-      for (const Listed& listed : couple.listed)
-        if (listed.distance - couple.gone < couple.reach) visit(listed.pair);
+      for (const Listed& listed : couple.listed) {
+        const double least = listed.distance - couple.gone;
+        if (!(least < couple.reach)) continue;
+        ++num_visits_;
+        visit(listed.pair, least);
+      }
     }
   }
   double thickness() const { return thickness_; }
@@ -80,12 +84,12 @@ class PairList {
 
   struct Listed {
     Pair pair;
-    double distance;  // m, when the couple was searched
+    double distance;  // m, when the couple was measured
   };
   // Two patches, or one and itself.
   struct Couple {
     Index one, other;
-    double radius;   // m: pairs that are not listed were farther apart when the couple was searched; negative: not searched
+    double radius;   // m: pairs that are not listed were farther apart when the couple was measured; negative: not searched
     double nearest;  // m: no pair was nearer then
     double used;     // m, bound of the relative way from then to at_
     double gone;     // m, the same to the positions of the last update()
@@ -107,6 +111,8 @@ class PairList {
   /// Whether a vertex of each primitive are one of the couples, which are ascending, the lower vertex first.
   static bool isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair);
   void findCouples(const Points& positions, double reach);
+  void markExpired(const Reach& reach);
+  void measureAgain(const Points& positions);
   void searchExpired(const Points& positions);
   void enclose(Index patch, const Points& positions);
   void search(const Points& positions, Couple& couple) const;
@@ -135,6 +141,7 @@ class PairList {
   std::vector<Index> patches_of_expired_;
   std::vector<Balls> balls_;  // (patches), of the patches of expired couples
   Index num_searches_ = 0;
+  std::size_t num_listed_ = 0, num_visits_ = 0;  // the visits since all were measured
 };
 
 }  // namespace deformable_surface::contact
