@@ -5,6 +5,20 @@
 
 namespace deformable_surface::contact {
 
+Index splitAtMedian(std::vector<std::pair<Vec3, Index>>& points, Index begin, Index end) {
+  using Item = std::pair<Vec3, Index>;
+  Box all;
+  for (Index i = begin; i < end; ++i) all.extend(points[i].first);
+  int axis = 0;
+  all.sizes().maxCoeff(&axis);
+  const Index half = begin + (end - begin) / 2;
+  std::nth_element(points.begin() + begin, points.begin() + half, points.begin() + end,
+                   [axis](const Item& one, const Item& other) {
+                     return std::make_pair(one.first[axis], one.second) < std::make_pair(other.first[axis], other.second);
+                   });
+  return half;
+}
+
 BoxTree::BoxTree(const std::vector<Box>& boxes) {
   std::vector<std::pair<Vec3, Index>> middles;
   for (std::size_t i = 0; i < boxes.size(); ++i) middles.emplace_back(boxes[i].center(), static_cast<Index>(i));
@@ -18,15 +32,7 @@ void BoxTree::build(std::vector<std::pair<Vec3, Index>>& middles, Index begin, I
   const std::size_t self = nodes_.size();
   nodes_.push_back({{}, 0, end - begin == 1 ? middles[begin].second : Index{-1}});
   if (end - begin > 1) {
-    Box all;
-    for (Index i = begin; i < end; ++i) all.extend(middles[i].first);
-    int axis = 0;
-    all.sizes().maxCoeff(&axis);
-    const Index half = begin + (end - begin) / 2;
-    std::nth_element(middles.begin() + begin, middles.begin() + half, middles.begin() + end,
-                     [axis](const std::pair<Vec3, Index>& one, const std::pair<Vec3, Index>& other) {
-                       return std::make_pair(one.first[axis], one.second) < std::make_pair(other.first[axis], other.second);
-                     });
+    const Index half = splitAtMedian(middles, begin, end);
     build(middles, begin, half);
     build(middles, half, end);
   }

@@ -24,15 +24,7 @@ void split(std::vector<Item>& vertices, Index begin, Index end, std::vector<Inde
               [](const Item& one, const Item& other) { return one.second < other.second; });
     return;
   }
-  Box all;
-  for (Index i = begin; i < end; ++i) all.extend(vertices[i].first);
-  int axis = 0;
-  all.sizes().maxCoeff(&axis);
-  const Index half = begin + (end - begin) / 2;
-  std::nth_element(vertices.begin() + begin, vertices.begin() + half, vertices.begin() + end,
-                   [axis](const Item& one, const Item& other) {
-                     return std::make_pair(one.first[axis], one.second) < std::make_pair(other.first[axis], other.second);
-                   });
+  const Index half = splitAtMedian(vertices, begin, end);
   split(vertices, begin, half, begins);
   split(vertices, half, end, begins);
 }

@@ -10,6 +10,10 @@ namespace deformable_surface::contact {
 
 using Box = Eigen::AlignedBox3d;  // m
 
+/// Sorts the points begin to end such that those of the lower half along the widest axis come first. Returns the first of the
+/// upper half. The indices decide between equal points, so the result is always the same.
+Index splitAtMedian(std::vector<std::pair<Vec3, Index>>& points, Index begin, Index end);
+
 class BoxTree {
  public:
   /// Splits the boxes recursively at the median along the widest axis. Deterministic.
