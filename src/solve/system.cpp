@@ -201,6 +201,11 @@ void System::addStiffness(double time, const State& state, double step, model::H
   for (const ExternalLoad* load : loads_) load->addStiffness(time, state, step, stiffness);
 }
 
+void System::addFastStiffness(const State& state, BlockSparse& stiffness) const {
+  endIfInterrupted();
+  model_.splitForces()->addFastStiffness(state, 0.0, model::Hessian::kPositive, stiffness);
+}
+
 void System::computeStiffnessProduct(const Points& v, Points& product) const {
   endIfInterrupted();
   product.assign(v.size(), Vec3::Zero());

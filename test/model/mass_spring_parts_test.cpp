@@ -18,6 +18,7 @@ struct Variant {
   Bending bending;
   model::Damping damping;
   bool sphere;
+  double jitter = 0.3;  // of the sheet, in spacings; without it every cell has four triangles on four points
 };
 
 const Variant kVariants[] = {
@@ -25,13 +26,15 @@ const Variant kVariants[] = {
     {"TrianglesAndCurvatureOnASphere", Membrane::kTriangles, Bending::kCurvature, model::Damping::kAlongSpring, true},
     {"SpringsAsPublished", Membrane::kSprings, Bending::kSprings, model::Damping::kRelativeVelocity, false},
     {"TrianglesAlone", Membrane::kTriangles, Bending::kNone, model::Damping::kAlongSpring, true},
+    {"TrianglesOnAGrid", Membrane::kTriangles, Bending::kNone, model::Damping::kAlongSpring, false, 0.0},
+    {"TrianglesAndCurvatureOnAGrid", Membrane::kTriangles, Bending::kCurvature, model::Damping::kAlongSpring, false, 0.0},
 };
 
 class MassSpringParts : public testing::TestWithParam<Variant> {
  protected:
   static constexpr double kLength = 0.05;  // spacing
 
-  MassSpringParts() : surface(GetParam().sphere ? makeSphere(400, 0.3) : makeSheet(17, 16, 0.8, 0.75, 0.3)) {
+  MassSpringParts() : surface(GetParam().sphere ? makeSphere(400, 0.3) : makeSheet(17, 16, 0.8, 0.75, GetParam().jitter)) {
     material.thickness = 0.02;
     material.spring_damping = 1e-3;
     material.poisson_ratio = 1.0 / 3.0;

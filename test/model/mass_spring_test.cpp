@@ -86,6 +86,31 @@ TEST_P(MassSpringVariants, FastForcesAndThenSlowOnesAreAllForcesBitForBit) {
   EXPECT_EQ(parts, forcesAt(*mass_spring, state));
 }
 
+TEST_P(MassSpringVariants, FastStiffnessIsThatOfTheFastForces) {
+  if (!mass_spring->hasCurvature()) GTEST_SKIP() << "no slow forces";
+  const State state = stateAt(perturb(surface.points, 0.1 * kLength));
+  BlockSparse stiffness;
+  stiffness.begin(state.size());
+  mass_spring->addFastStiffness(state, 0.0, model::Hessian::kExact, stiffness);
+  stiffness.finish();
+  Eigen::VectorXd motion(3 * state.size()), product;
+  std::mt19937 generator(5);
+  for (Index i = 0; i < state.size(); ++i) motion.segment<3>(3 * i) = randomVector(generator);
+  stiffness.multiply(motion, product);
+  constexpr double kShift = 1e-6 * kLength;
+  Points forces[2];
+  for (const int side : {0, 1}) {
+    State moved = state;
+    for (Index i = 0; i < state.size(); ++i) moved.positions[i] += (side ? kShift : -kShift) * motion.segment<3>(3 * i);
+    forces[side].assign(state.size(), Vec3::Zero());
+    mass_spring->addFastForces(moved, forces[side]);
+  }
+  double largest = 0.0;
+  for (Index i = 0; i < state.size(); ++i)
+    largest = std::max(largest, ((forces[0][i] - forces[1][i]) / (2.0 * kShift) - product.segment<3>(3 * i)).norm());
+  EXPECT_LT(largest, 1e-5 * product.norm());
+}
+
 TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
   for (const Surface& surface : {makeSphere(120, 0.3), makeSheet(9, 8, 0.8, 0.7, 0.3)}) {
     const Index n = static_cast<Index>(surface.points.size());

@@ -3,10 +3,14 @@
 
 #include "../support/dense.h"
 #include "../support/surfaces.h"
+#include "model_checks.h"
 
 #include <Eigen/Eigenvalues>
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace deformable_surface::test {
 namespace {
@@ -96,6 +100,95 @@ TEST(TriangleMembrane, HasNoSpringsAcrossWithoutTension) {
   }
   EXPECT_GT(sum, 0.0);
   EXPECT_GT(along[0] + along[1] + along[2], 0.0);
+}
+
+// Triangles that share their four points act as one. Each alone is the reference.
+struct Patches {
+  const char* name;
+  Points rest;
+  std::vector<model::WeightedTriangle> triangles;
+};
+
+std::vector<Patches> makePatches() {
+  Points pentagon;
+  for (int k = 0; k < 5; ++k) pentagon.emplace_back(std::cos(0.4 * k * M_PI), std::sin(0.4 * k * M_PI), 0.0);
+  std::vector<model::WeightedTriangle> all_of_five;
+  for (Index i = 0; i < 5; ++i)
+    for (Index j = i + 1; j < 5; ++j)
+      for (Index k = j + 1; k < 5; ++k) all_of_five.push_back({{k, i, j}, 0.3});
+  std::vector<Patches> patches{{"five cocircular points", pentagon, all_of_five}};
+  // A grid with both diagonals of every cell, one with a single diagonal, and one that mixes them. In the last one the corners
+  // stand in other orders, and a triangle hangs on one point.
+  const auto placeOf = [](Index i, Index j) { return 5 * i + j; };
+  for (const int kind : {0, 1, 2}) {
+    Patches grid{kind == 0 ? "fours" : kind == 1 ? "pairs" : "mixed", {}, {}};
+    for (Index i = 0; i < 5; ++i)
+      for (Index j = 0; j < 5; ++j) grid.rest.emplace_back(0.1 * i + 0.02 * std::sin(3.0 * j), 0.1 * j, 0.03 * std::cos(2.0 * i));
+    for (Index i = 0; i < 4; ++i)
+      for (Index j = 0; j < 4; ++j) {
+        const Index a = placeOf(i, j), b = placeOf(i + 1, j), c = placeOf(i + 1, j + 1), d = placeOf(i, j + 1);
+        const bool is_four = kind == 0 || (kind == 2 && (i + j) % 3 == 0);
+        const double weight = is_four ? 0.5 : 1.0;
+        if (kind == 2 && j % 2 == 1) {
+          grid.triangles.push_back({{c, a, b}, weight});
+          grid.triangles.push_back({{d, c, a}, weight});
+        } else {
+          grid.triangles.push_back({{a, b, c}, weight});
+          grid.triangles.push_back({{a, c, d}, weight});
+        }
+        if (!is_four) continue;
+        grid.triangles.push_back({{b, c, d}, weight});
+        grid.triangles.push_back({{d, a, b}, weight});
+      }
+    if (kind == 2) {
+      grid.rest.emplace_back(0.9, 0.0, 0.0);
+      grid.rest.emplace_back(0.9, 0.2, 0.0);
+      grid.triangles.push_back({{26, 24, 25}, 0.7});
+    }
+    patches.push_back(grid);
+  }
+  return patches;
+}
+
+void expectSumOfTriangles(const Patches& patches, const Points& positions) {
+  const Points forces = forcesOf({patches.triangles, patches.rest, kStiffness, kPoisson}, positions);
+  Points sum(positions.size(), Vec3::Zero());
+  double largest = 0.0;
+  for (const model::WeightedTriangle& t : patches.triangles) {
+    const Points alone = forcesOf({{t}, patches.rest, kStiffness, kPoisson}, positions);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += alone[i];
+  }
+  for (const Vec3& f : sum) largest = std::max(largest, f.norm());
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    EXPECT_LT((forces[i] - sum[i]).norm(), 1e-12 * largest) << patches.name << ", point " << i;
+}
+
+TEST(TriangleMembrane, ActsLikeTheSumOfItsTriangles) {
+  for (const Patches& patches : makePatches()) {
+    expectSumOfTriangles(patches, perturb(patches.rest, 0.05));
+    Points flat = perturb(patches.rest, 0.05);  // pressed together along x
+    for (Vec3& x : flat) x.x() *= 0.01;
+    expectSumOfTriangles(patches, flat);
+  }
+}
+
+TEST(TriangleMembrane, ActsLikeTheSumOfItsTrianglesWhereSomeAreCollapsed) {
+  for (const Patches& patches : makePatches())
+    for (const Index at : {0, 3}) {
+      // Three points on a line, all of their differences exact.
+      Points positions = perturb(patches.rest, 0.05);
+      const auto& corner = patches.triangles[at].corner;
+      positions[corner[0]] = Vec3(0.25, 0.5, 0.125);
+      positions[corner[1]] = Vec3(0.5, 0.5, 0.125);
+      positions[corner[2]] = Vec3(0.375, 0.5, 0.125);
+      const Points forces = forcesOf({patches.triangles, patches.rest, kStiffness, kPoisson}, positions);
+      Vec3 sum = Vec3::Zero();
+      for (const Vec3& f : forces) {
+        EXPECT_TRUE(f.allFinite()) << patches.name;
+        sum += f;
+      }
+      EXPECT_LT(sum.norm(), 1e-11) << patches.name;
+    }
 }
 
 }  // namespace

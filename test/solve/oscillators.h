@@ -60,6 +60,9 @@ class SlowerOscillators : public Oscillators, public model::SplitForces {
     ++slow_evaluations;
     for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= slow_stiffness_ * s.positions[i];
   }
+  void addFastStiffness(const State& s, double step, model::Hessian hessian, BlockSparse& k) const override {
+    Oscillators::addStiffness(s, step, hessian, k);
+  }
   double boundSlowRate(const State&) const override { return 0.0; }
 
   double elasticEnergy(const State& s) const override {

@@ -68,6 +68,50 @@ TEST(StableStep, IsShorterByDampingThatReadsPredictedVelocities) {
   EXPECT_GE(s.find(), expected * (1.0 - kBound));
 }
 
+// Slow springs to the origin, whose stiffness counts, and a bound of theirs that is too high.
+class Slowed : public SlowerOscillators {
+ public:
+  Slowed(double slow, double bound) : SlowerOscillators({4.0, 900.0, 100.0}, slow, 0.25), slow_(slow), bound_(bound) {}
+  void addStiffness(const State& s, double step, model::Hessian hessian, BlockSparse& k) const override {
+    addFastStiffness(s, step, hessian, k);
+    ++slow_matrices;
+    for (Index i = 0; i < s.size(); ++i) k.add(i, i, slow_ * Mat3::Identity());
+  }
+  double boundSlowRate(const State&) const override { return bound_ * slow_ / 0.25; }
+
+  mutable int slow_matrices = 0;
+
+ private:
+  double slow_, bound_;
+};
+
+TEST(StableStep, BoundsSlowForcesWhereTheyAreFaintAndMeasuresThemElsewhere) {
+  Spring spring;  // on the softest point
+  spring.stiffness = 4000.0;
+  // Beside a load with a stiffness on a free point they are measured, too.
+  for (const bool is_loaded : {false, true})
+    for (const double slow : {1.0, 8.9, 9.1, 900.0})
+      for (const double bound : {1.0, 3.0}) {
+        const Slowed model(slow, bound);
+        std::vector<const solve::ExternalLoad*> loads;
+        if (is_loaded) loads.push_back(&spring);
+        std::vector<char> held{0, 0, 0};
+        const solve::System system(model, loads, held, 0.0);
+        const State state{Points(3, Vec3::Zero()), Points(3, Vec3::Zero())};
+        const auto findExpected = [&](double fast) { return 2.0 / std::sqrt((fast + slow) / 0.25); };
+        solve::StableStep estimator;
+        for (const double fast : {is_loaded ? 4004.0 : 900.0, 100.0}) {
+          const double step = estimator.estimate(0.0, state, system);
+          EXPECT_LE(step, findExpected(fast) * (1.0 + 1e-12)) << slow;
+          EXPECT_GE(step, findExpected(fast) * (1.0 - kBound)) << slow;
+          model.slow_matrices = 0;
+          EXPECT_EQ(estimator.estimate(0.0, state, system), step);
+          EXPECT_EQ(model.slow_matrices, !(is_loaded && fast > 900.0) && bound * slow <= 0.01 * fast ? 0 : 1) << slow;
+          held = {1, 1, 0};  // points that are held do not count
+        }
+      }
+}
+
 // For chained oscillators a bound and a measurement would differ. These are diagonal, so the bound is exact.
 class WithoutMatrix : public Oscillators {
  public:

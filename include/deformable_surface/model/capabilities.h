@@ -56,6 +56,11 @@ class Clamping {
   ~Clamping() = default;
 };
 
+/// Which matrix a solver asks for. kPositive: each element's part projected to positive semidefinite, which guarantees a descent
+/// direction. kExact: as it is, except for terms that a model documents as left out; it converges faster where it happens to be
+/// definite.
+enum class Hessian { kPositive, kExact };
+
 /// Some of the elastic forces may allow a longer step than the others. addForces() then equals addFastForces() followed by
 /// addSlowForces(), bit for bit.
 class SplitForces {
@@ -63,8 +68,9 @@ class SplitForces {
   virtual void addFastForces(const State& state, Points& forces) const = 0;
   /// They never read velocities.
   virtual void addSlowForces(const State& state, Points& forces) const = 0;
-  /// Upper bound of the largest eigenvalue of M^-1 K, with K the part of the slow forces in StiffnessMatrix::addStiffness() with
-  /// Hessian::kPositive, 1/s^2.
+  /// The part of the fast forces in StiffnessMatrix::addStiffness().
+  virtual void addFastStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const = 0;
+  /// Upper bound of the largest eigenvalue of M^-1 K, with K the rest of it with Hessian::kPositive, 1/s^2.
   virtual double boundSlowRate(const State& state) const = 0;
 
  protected:
@@ -131,11 +137,6 @@ class PlanarMotion {
  protected:
   ~PlanarMotion() = default;
 };
-
-/// Which matrix a solver asks for. kPositive: each element's part projected to positive semidefinite, which guarantees a descent
-/// direction. kExact: as it is, except for terms that a model documents as left out; it converges faster where it happens to be
-/// definite.
-enum class Hessian { kPositive, kExact };
 
 /// A spring with the same stiffness in every direction.
 struct Coupling {

@@ -94,6 +94,8 @@ class System {
 
   /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
   void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;
+  /// The part of a model's fast forces alone (see SplitForces), positive semidefinite, without damping.
+  void addFastStiffness(const State& state, BlockSparse& stiffness) const;
 
   /// Of a model with StiffnessProducts, see there; the products are zero on held points, v is zero there. Those of the loads
   /// are in addStiffness().

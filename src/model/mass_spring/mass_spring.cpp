@@ -191,8 +191,13 @@ double MassSpring::elasticEnergy(const State& state) const {
   return energy;
 }
 
-// Of the volume term the change of its gradient is omitted: it is small beside the rank-one part while the volume is kept.
 void MassSpring::addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const {
+  addFastStiffness(state, step, hessian, stiffness);
+  bending_.addStiffness(state, hessian, stiffness);
+}
+
+// Of the volume term the change of its gradient is omitted: it is small beside the rank-one part while the volume is kept.
+void MassSpring::addFastStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const {
   const bool springs = membrane_ == Membrane::kSprings;
   if (springs || along_damping_ > 0.0) stretching_.addStiffness(state, springs, along_damping_, step, hessian, stiffness);
   if (!bending_springs_.links().empty()) bending_springs_.addStiffness(state, true, along_damping_, step, hessian, stiffness);
@@ -201,7 +206,6 @@ void MassSpring::addStiffness(const State& state, double step, Hessian hessian, 
     bending_springs_.addRelativeDampingMatrix(relative_damping_, step, stiffness);
   }
   if (!springs) membrane_triangles_.addStiffness(state, hessian, stiffness);
-  bending_.addStiffness(state, hessian, stiffness);
 }
 
 double MassSpring::rankOneStiffness(const State& state, Points& v) const {

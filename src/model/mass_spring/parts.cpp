@@ -32,7 +32,7 @@ void TriangleMembrane::markPartners(const std::vector<Index>& points, std::vecto
   if (elements_.empty()) return;
   for (const Index i : points)
     for (const Index* item = incidence_.begin(i); item != incidence_.end(i); ++item)
-      for (const Index corner : elements_[*item / 12 * 4 + *item % 4].corner) marked[corner] = 1;
+      for (const Index point : patches_[patchOf(*item)].points) marked[point] = 1;
 }
 
 TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
@@ -40,12 +40,25 @@ TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
   if (elements_.empty()) return membrane;
   membrane.mu_ = mu_;
   membrane.lambda_ = lambda_;
-  const auto elementOf = [&](Index k) { return incidence_.items[k] / 12 * 4 + incidence_.items[k] % 4; };
-  const std::vector<Index> found = findElements(part.wanted, incidence_, 1, elementOf);
-  membrane.elements_.reserve(found.size());
-  for (const Index t : found) {
+  const std::vector<Index> found =
+      findElements(part.wanted, incidence_, 1, [&](Index k) { return patchOf(incidence_.items[k]); });
+  std::vector<Index> kept;
+  for (const Index p : found)
+    for (const Index t : patches_[p].elements)
+      if (t >= 0) kept.push_back(t);
+  std::sort(kept.begin(), kept.end());
+  membrane.elements_.reserve(kept.size());
+  for (const Index t : kept) {
     membrane.elements_.push_back(elements_[t]);
     for (Index& corner : membrane.elements_.back().corner) corner = part.new_index[corner];
+  }
+  membrane.patches_.reserve(found.size());
+  for (const Index p : found) {
+    membrane.num_fours_ += p < num_fours_;
+    membrane.patches_.push_back(patches_[p]);
+    for (Index& point : membrane.patches_.back().points) point = part.new_index[point];
+    for (Index& t : membrane.patches_.back().elements)
+      if (t >= 0) t = static_cast<Index>(std::lower_bound(kept.begin(), kept.end(), t) - kept.begin());
   }
   membrane.prepareForceLoop(part.size());
   return membrane;

@@ -14,8 +14,7 @@ namespace {
 
 using Mat32 = Eigen::Matrix<double, 3, 2>;
 
-constexpr Index kBlock = 128;
-constexpr Index kBatch = 16;  // groups of four triangles that fit the nearest cache
+constexpr Index kBlock = 64;
 
 // Rotation and invariants of F.
 struct Polar {
@@ -56,35 +55,56 @@ std::array<Vec2, 3> findShapeGradients(const Mat2& inverse) {
   return {Vec2(-(inverse.row(0) + inverse.row(1))), Vec2(inverse.row(0)), Vec2(inverse.row(1))};
 }
 
-// Four triangles side by side: edges from the first corner, their products, L^2, then K.
-struct Group {
-  Double4 e1[4], e2[4], square1, square2, dot, L, K11, K12, K22;
+// Four triangles side by side, from different patches: the products of their two edges, L^2, then K.
+struct Products {
+  Double4 square1, square2, dot, L;
 };
 
-DEFORMABLE_SURFACE_INLINE void loadEdges(const Index* corners, const double* positions, Group& group) {
-  Double4 a[4], b[4];
+DEFORMABLE_SURFACE_INLINE void multiplyEdges(const Double4* a, const Double4* b, Products& products) {
+  products.square1 = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+  products.square2 = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+  products.dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const Double4 cx = a[1] * b[2] - a[2] * b[1], cy = a[2] * b[0] - a[0] * b[2], cz = a[0] * b[1] - a[1] * b[0];
+  products.L = cx * cx + cy * cy + cz * cz;
+}
+
+// edges: x, y and z of the three from the first point. Those of the triangles are the same, but of the last of four they are the
+// differences from the first.
+template <int kTriangles>
+DEFORMABLE_SURFACE_INLINE void loadEdges(const Index* points, const double* positions, Double4* edges, Products* products) {
+  Double4 a[4], b[4], d[4];
   for (int lane = 0; lane < 4; ++lane) {
     Double4 origin;
-    load(positions + 4 * corners[lane], origin);
-    load(positions + 4 * corners[4 + lane], a[lane]);
-    load(positions + 4 * corners[8 + lane], b[lane]);
+    load(positions + 4 * points[lane], origin);
+    load(positions + 4 * points[4 + lane], a[lane]);
+    load(positions + 4 * points[8 + lane], b[lane]);
+    load(positions + 4 * points[12 + lane], d[lane]);
     a[lane] -= origin;
     b[lane] -= origin;
+    d[lane] -= origin;
   }
   transpose(a[0], a[1], a[2], a[3]);
   transpose(b[0], b[1], b[2], b[3]);
-  group.square1 = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-  group.square2 = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
-  group.dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  const Double4 cx = a[1] * b[2] - a[2] * b[1], cy = a[2] * b[0] - a[0] * b[2], cz = a[0] * b[1] - a[1] * b[0];
-  group.L = cx * cx + cy * cy + cz * cz;
+  transpose(d[0], d[1], d[2], d[3]);
+  multiplyEdges(a, b, products[0]);
+  multiplyEdges(b, d, products[1]);
   for (int c = 0; c < 3; ++c) {
-    group.e1[c] = a[c];
-    group.e2[c] = b[c];
+    edges[c] = a[c];
+    edges[3 + c] = b[c];
+    edges[6 + c] = d[c];
+  }
+  if constexpr (kTriangles == 4) {
+    multiplyEdges(a, d, products[2]);
+    for (int c = 0; c < 3; ++c) {
+      b[c] -= a[c];
+      d[c] -= a[c];
+    }
+    multiplyEdges(b, d, products[3]);
   }
 }
 
-DEFORMABLE_SURFACE_INLINE void findK(const double* constants, double lambda, double mu, Group& group) {
+// K11, K12, K22 take the places of square1, dot, square2. Returns whether a triangle is collapsed.
+DEFORMABLE_SURFACE_INLINE bool findK(const double* constants, double lambda, double mu, Products& products) {
   Double4 G11, G12, G22, det, area, half_weight;  // half_weight = w A det D
   load(constants, G11);
   load(constants + 4, G12);
@@ -92,52 +112,82 @@ DEFORMABLE_SURFACE_INLINE void findK(const double* constants, double lambda, dou
   load(constants + 12, det);
   load(constants + 16, area);
   load(constants + 20, half_weight);
-  takeRoots(group.L);
-  Double4 T = G11 * group.square1 + G22 * group.square2 + 2.0 * (G12 * group.dot + det * group.L);
+  const Double4 square1 = products.square1, square2 = products.square2;
+  takeRoots(products.L);
+  const auto none = products.L == 0.0;
+  Double4 T = G11 * square1 + G22 * square2 + 2.0 * (G12 * products.dot + det * products.L);
   takeRoots(T);
   const Double4 s = lambda - 2.0 * (lambda + mu) / T;
-  const Double4 plain = area * (2.0 * mu + s), crossed = half_weight * s / group.L;
-  group.K11 = plain * G11 + crossed * group.square2;
-  group.K12 = plain * G12 - crossed * group.dot;
-  group.K22 = plain * G22 + crossed * group.square1;
+  const Double4 plain = area * (2.0 * mu + s), crossed = half_weight * s / products.L;
+  products.square1 = plain * G11 + crossed * square2;
+  products.dot = plain * G12 - crossed * products.dot;
+  products.square2 = plain * G22 + crossed * square1;
+  return none[0] || none[1] || none[2] || none[3];
 }
 
-DEFORMABLE_SURFACE_INLINE void storeForces(const Group& group, double* corner_force) {
-  Double4 force0[4], force1[4], force2[4];
+// The sum of K over the triangles, in terms of the three edges of the patch, gives the forces on its last three points.
+template <int kTriangles>
+DEFORMABLE_SURFACE_INLINE void storeForces(const Double4* edges, const Products* K, double* corner_force) {
+  Double4 K00 = K[0].square1, K01 = K[0].dot, K02{}, K11 = K[0].square2 + K[1].square1, K12 = K[1].dot, K22 = K[1].square2;
+  if constexpr (kTriangles == 4) {
+    const Double4 first = K[3].square1 + K[3].dot, second = K[3].dot + K[3].square2;
+    K00 += K[2].square1 + (first + second);
+    K01 -= first;
+    K02 = K[2].dot - second;
+    K11 += K[3].square1;
+    K12 += K[3].dot;
+    K22 += K[2].square2 + K[3].square2;
+  }
+  Double4 force[4][4];
   for (int c = 0; c < 3; ++c) {
-    force1[c] = -(group.K11 * group.e1[c] + group.K12 * group.e2[c]);
-    force2[c] = -(group.K12 * group.e1[c] + group.K22 * group.e2[c]);
-    force0[c] = -(force1[c] + force2[c]);
+    const Double4 &a = edges[c], &b = edges[3 + c], &d = edges[6 + c];
+    if constexpr (kTriangles == 4) {
+      force[1][c] = -(K00 * a + K01 * b + K02 * d);
+      force[3][c] = -(K02 * a + K12 * b + K22 * d);
+    } else {
+      force[1][c] = -(K00 * a + K01 * b);
+      force[3][c] = -(K12 * b + K22 * d);
+    }
+    force[2][c] = -(K01 * a + K11 * b + K12 * d);
+    force[0][c] = -(force[1][c] + force[2][c] + force[3][c]);
   }
-  force0[3] = force1[3] = force2[3] = Double4{};
-  transpose(force0[0], force0[1], force0[2], force0[3]);
-  transpose(force1[0], force1[1], force1[2], force1[3]);
-  transpose(force2[0], force2[1], force2[2], force2[3]);
-  for (int lane = 0; lane < 4; ++lane) {
-    store(force0[lane], corner_force + 4 * lane);
-    store(force1[lane], corner_force + 16 + 4 * lane);
-    store(force2[lane], corner_force + 32 + 4 * lane);
+  for (int k = 0; k < 4; ++k) {
+    force[k][3] = Double4{};
+    transpose(force[k][0], force[k][1], force[k][2], force[k][3]);
+    for (int lane = 0; lane < 4; ++lane) store(force[k][lane], corner_force + 16 * k + 4 * lane);
   }
 }
 
-// The forces of the groups of four triangles from begin to end, as in the header. Returns true if a triangle is
-// collapsed; its forces are then not finite. Three loops over a few groups each, so that roots and divisions of one group do not
+// The forces of the groups of four patches from begin to end, as in the header. Returns true if a triangle is collapsed; the
+// forces of its patch are then not finite. Three loops over a few groups each, so that roots and divisions of one group do not
 // wait for those of another.
-DEFORMABLE_SURFACE_WIDE bool computeCornerForces(Index begin, Index end, const Index* corners, const double* constants,
-                                                 const double* positions, double lambda, double mu, double* corner_force) {
-  Group groups[kBatch];
+template <int kTriangles>
+DEFORMABLE_SURFACE_INLINE bool computePatchForces(Index begin, Index end, const Index* points, const double* constants,
+                                                  const double* positions, double lambda, double mu, double* corner_force) {
+  constexpr Index kBatch = 32 / kTriangles;  // groups that fit the nearest cache
+  Double4 edges[9 * kBatch];
+  Products products[kTriangles * kBatch];
   bool collapsed = false;
   for (Index batch = begin; batch < end; batch += kBatch) {
     const Index size = end - batch < kBatch ? end - batch : kBatch;
-    for (Index k = 0; k < size; ++k) loadEdges(corners + 12 * (batch + k), positions, groups[k]);
-    for (Index k = 0; k < size; ++k) findK(constants + 24 * (batch + k), lambda, mu, groups[k]);
-    for (Index k = 0; k < size; ++k) {
-      const auto none = groups[k].L == 0.0;
-      collapsed |= none[0] || none[1] || none[2] || none[3];
-      storeForces(groups[k], corner_force + 48 * (batch + k));
-    }
+    for (Index k = 0; k < size; ++k)
+      loadEdges<kTriangles>(points + 16 * (batch + k), positions, edges + 9 * k, products + kTriangles * k);
+    for (Index t = 0; t < kTriangles * size; ++t)
+      collapsed |= findK(constants + 24 * (kTriangles * batch + t), lambda, mu, products[t]);
+    for (Index k = 0; k < size; ++k)
+      storeForces<kTriangles>(edges + 9 * k, products + kTriangles * k, corner_force + 64 * (batch + k));
   }
   return collapsed;
+}
+
+DEFORMABLE_SURFACE_WIDE bool computeForcesOfFours(Index begin, Index end, const Index* points, const double* constants,
+                                                  const double* positions, double lambda, double mu, double* corner_force) {
+  return computePatchForces<4>(begin, end, points, constants, positions, lambda, mu, corner_force);
+}
+
+DEFORMABLE_SURFACE_WIDE bool computeForcesOfPairs(Index begin, Index end, const Index* points, const double* constants,
+                                                  const double* positions, double lambda, double mu, double* corner_force) {
+  return computePatchForces<2>(begin, end, points, constants, positions, lambda, mu, corner_force);
 }
 
 // Adds the corner forces to each point. forces: (n x 3).
@@ -201,28 +251,133 @@ TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangle
     Element e{{t.corner[0], t.corner[1], t.corner[2]}, edges.inverse(), 0.5 * t.weight * twice_area};
     if (e.inverse.allFinite()) elements_.push_back(e);
   }
+  groupTriangles();
   prepareForceLoop(static_cast<Index>(rest.size()));
 }
 
-void TriangleMembrane::prepareForceLoop(Index num_points) {
-  std::vector<std::pair<Index, Index>> corners;
-  corners.reserve(3 * elements_.size());
-  for (std::size_t t = 0; t < elements_.size(); ++t)
-    for (int c = 0; c < 3; ++c) corners.emplace_back(elements_[t].corner[c], static_cast<Index>(t / 4 * 12 + 4 * c + t % 4));
-  incidence_ = groupByPoint(num_points, corners);
-  // The same constants once more for the force loop, the last group filled up with the last element.
-  const std::size_t groups = (elements_.size() + 3) / 4;
-  corner_force_.resize(48 * groups);
-  group_corners_.resize(12 * groups);
-  group_constants_.resize(24 * groups);
-  for (std::size_t t = 0; t < 4 * groups; ++t) {
-    const Element& e = elements_[std::min(t, elements_.size() - 1)];
-    const Mat2 G = e.inverse * e.inverse.transpose();
-    const double det = e.inverse.determinant();
-    const double constants[6] = {G(0, 0), G(0, 1), G(1, 1), det, e.area, e.area * det};
-    for (std::size_t c = 0; c < 3; ++c) group_corners_[t / 4 * 12 + 4 * c + t % 4] = e.corner[c];
-    for (std::size_t c = 0; c < 6; ++c) group_constants_[t / 4 * 24 + 4 * c + t % 4] = constants[c];
+// Triangles with a side in common, by that side. Those of four cocircular points, on every three of them, are found first.
+void TriangleMembrane::groupTriangles() {
+  patches_.clear();
+  const Index n = static_cast<Index>(elements_.size());
+  using Side = std::array<Index, 3>;  // two points, ascending, and the triangle
+  std::vector<Side> sides;
+  sides.reserve(3 * n);
+  const auto makeSide = [](Index i, Index j, Index t) { return Side{std::min(i, j), std::max(i, j), t}; };
+  for (Index t = 0; t < n; ++t)
+    for (int c = 0; c < 3; ++c) sides.push_back(makeSide(elements_[t].corner[c], elements_[t].corner[(c + 1) % 3], t));
+  std::sort(sides.begin(), sides.end());
+  std::vector<char> is_taken(n, 0);
+  const auto oppositeOf = [&](const Side& side) {
+    const auto& [i, j, k] = elements_[side[2]].corner;
+    return i + j + k - side[0] - side[1];
+  };
+  // visit(point opposite the side, triangle): of each free triangle at a side, until it returns true.
+  const auto findAt = [&](Index i, Index j, const auto& visit) {
+    for (auto s = std::lower_bound(sides.begin(), sides.end(), makeSide(i, j, 0));
+         s != sides.end() && (*s)[0] == std::min(i, j) && (*s)[1] == std::max(i, j); ++s)
+      if (!is_taken[(*s)[2]] && visit(oppositeOf(*s), (*s)[2])) return;
+  };
+  const auto findOne = [&](Index i, Index j, Index opposite) {
+    Index found = -1;
+    findAt(i, j, [&](Index point, Index t) { return point == opposite && (found = t, true); });
+    return found;
+  };
+  for (Index t = 0; t < n; ++t) {
+    if (is_taken[t]) continue;
+    const auto& [i, j, k] = elements_[t].corner;
+    Patch four{{i, j, k, -1}, {t, -1, -1, -1}};
+    findAt(i, k, [&, i = i, j = j, k = k](Index point, Index u) {
+      if (point == j) return false;
+      four = {{i, j, k, point}, {t, u, findOne(i, j, point), findOne(j, k, point)}};
+      return four.elements[2] >= 0 && four.elements[3] >= 0;
+    });
+    if (four.points[3] < 0 || four.elements[2] < 0 || four.elements[3] < 0) continue;
+    patches_.push_back(four);
+    for (const Index u : four.elements) is_taken[u] = 1;
   }
+  num_fours_ = static_cast<Index>(patches_.size());
+  // The others by twos, first with the neighbour that has the fewest others.
+  const auto countFree = [&](Index t) {
+    Index count = 0;
+    for (int c = 0; c < 3; ++c)
+      findAt(elements_[t].corner[c], elements_[t].corner[(c + 1) % 3], [&](Index, Index u) {
+        count += u != t;
+        return false;
+      });
+    return count;
+  };
+  for (Index t = 0; t < n; ++t) {
+    if (is_taken[t]) continue;
+    const auto& corner = elements_[t].corner;
+    // Without a partner the second triangle is the first one, without weight.
+    Patch pair{{corner[0], corner[1], corner[2], corner[1]}, {t, -1, -1, -1}};
+    Index fewest = std::numeric_limits<Index>::max();
+    for (int c = 0; c < 3; ++c) {
+      const Index i = corner[c], j = corner[(c + 1) % 3], k = corner[(c + 2) % 3];
+      findAt(i, j, [&](Index point, Index u) {
+        if (u == t || point == k) return false;
+        const Index free = countFree(u);
+        if (free < fewest) {
+          fewest = free;
+          pair = {{i, k, j, point}, {t, u, -1, -1}};
+        }
+        return false;
+      });
+    }
+    patches_.push_back(pair);
+    for (const Index u : pair.elements)
+      if (u >= 0) is_taken[u] = 1;
+  }
+}
+
+// The numbers of an element for the force loop, with its edges from p to q and to r.
+std::array<double, 6> TriangleMembrane::constantsOf(const Element& e, Index p, Index q, Index r) {
+  const Mat2 at_rest = e.inverse.inverse();
+  const auto placeOf = [&](Index point) -> Vec2 {
+    return point == e.corner[0] ? Vec2::Zero() : Vec2(at_rest.col(point == e.corner[1] ? 0 : 1));
+  };
+  Mat2 edges;
+  edges << placeOf(q) - placeOf(p), placeOf(r) - placeOf(p);
+  const Mat2 inverse = edges.inverse(), G = inverse * inverse.transpose();
+  const double det = std::abs(inverse.determinant());
+  return {G(0, 0), G(0, 1), G(1, 1), det, e.area, e.area * det};
+}
+
+void TriangleMembrane::prepareForceLoop(Index num_points) {
+  const Index num_patches = static_cast<Index>(patches_.size());
+  const Index groups_of_fours = (num_fours_ + 3) / 4, groups = groups_of_fours + (num_patches - num_fours_ + 3) / 4;
+  std::vector<std::pair<Index, Index>> corners;
+  corners.reserve(4 * num_patches);
+  corner_force_.resize(64 * groups);
+  group_points_.resize(16 * groups);
+  group_constants_.resize(96 * groups_of_fours + 48 * (groups - groups_of_fours));
+  for (Index place = 0; place < 4 * groups; ++place) {
+    const Index group = place / 4, lane = place % 4;
+    const bool is_four = group < groups_of_fours;
+    const Index wanted = is_four ? place : num_fours_ + place - 4 * groups_of_fours, end = is_four ? num_fours_ : num_patches;
+    // The last group is filled up with the last patch, whose forces there are not gathered.
+    const Patch& patch = patches_[std::min(wanted, end - 1)];
+    for (int c = 0; c < 4; ++c) {
+      group_points_[16 * group + 4 * c + lane] = patch.points[c];
+      if (wanted < end && (c < 3 || patch.elements[1] >= 0)) corners.emplace_back(patch.points[c], 16 * group + 4 * c + lane);
+    }
+    double* constants = &group_constants_[is_four ? 96 * group : 96 * groups_of_fours + 48 * (group - groups_of_fours)];
+    const auto& [i, j, k, l] = patch.points;
+    const Index ends[4][3] = {{i, j, k}, {i, k, l}, {i, j, l}, {j, k, l}};
+    for (int t = 0; t < (is_four ? 4 : 2); ++t) {
+      const bool is_there = patch.elements[t] >= 0;
+      const Element& e = elements_[patch.elements[is_there ? t : 0]];
+      std::array<double, 6> numbers = constantsOf(e, ends[t][0], ends[t][1], ends[t][2]);
+      if (!is_there) numbers[4] = numbers[5] = 0.0;
+      for (int c = 0; c < 6; ++c) constants[24 * t + 4 * c + lane] = numbers[c];
+    }
+  }
+  incidence_ = groupByPoint(num_points, corners);
+}
+
+Index TriangleMembrane::patchOf(Index item) const {
+  const Index group = item / 16, groups_of_fours = (num_fours_ + 3) / 4;
+  return item % 4 + (group < groups_of_fours ? 4 * group : num_fours_ + 4 * (group - groups_of_fours));
 }
 
 Mat32 TriangleMembrane::gradient(const Element& e, const State& state) {
@@ -232,29 +387,50 @@ Mat32 TriangleMembrane::gradient(const Element& e, const State& state) {
   return edges * e.inverse;
 }
 
-// The forces of four triangles at a time; the few collapsed ones are repeated one by one.
+// The forces of four patches at a time; the few with collapsed triangles are repeated one by one.
 void TriangleMembrane::addForces(const State& state, const PaddedPoints& positions, Points& forces) const {
-  parallelFor(static_cast<Index>(group_corners_.size() / 12), kBlock, [&](Index begin, Index end) {
-    if (computeCornerForces(begin, end, group_corners_.data(), group_constants_.data(), positions.data(), lambda_, mu_,
-                            corner_force_.data()))
-      repairCollapsed(4 * begin, std::min(4 * end, static_cast<Index>(elements_.size())), state);
+  const Index groups_of_fours = (num_fours_ + 3) / 4;
+  parallelFor(static_cast<Index>(group_points_.size() / 16), kBlock, [&](Index begin, Index end) {
+    const Index middle = std::clamp(groups_of_fours, begin, end);
+    const double* const of_pairs = group_constants_.data() + 96 * groups_of_fours;
+    bool collapsed = computeForcesOfFours(begin, middle, group_points_.data(), group_constants_.data(), positions.data(), lambda_,
+                                          mu_, corner_force_.data());
+    collapsed |=
+        computeForcesOfPairs(middle - groups_of_fours, end - groups_of_fours, group_points_.data() + 16 * groups_of_fours,
+                             of_pairs, positions.data(), lambda_, mu_, corner_force_.data() + 64 * groups_of_fours);
+    if (collapsed) repairCollapsed(begin, end, state);
   });
   // Gathered by the points.
-  parallelFor(incidence_.size(), 2 * kBlock, [&](Index begin, Index end) {
+  parallelFor(incidence_.size(), 4 * kBlock, [&](Index begin, Index end) {
     gatherForces(begin, end, incidence_.offsets.data(), incidence_.items.data(), corner_force_.data(), forces.data()->data());
   });
 }
 
 void TriangleMembrane::repairCollapsed(Index begin, Index end, const State& state) const {
-  for (Index t = begin; t < end; ++t) {
-    double* force[3];
-    for (int c = 0; c < 3; ++c) force[c] = &corner_force_[4 * (t / 4 * 12 + 4 * c + t % 4)];
-    if (std::isfinite(force[0][0] + force[0][1] + force[0][2])) continue;
-    const Mat32 corner = cornerForces(t, state);
-    for (int k = 0; k < 3; ++k) {
-      force[0][k] = -(corner(k, 0) + corner(k, 1));
-      force[1][k] = corner(k, 0);
-      force[2][k] = corner(k, 1);
+  for (Index place = 16 * begin; place < 16 * end; place += place % 4 == 3 ? 13 : 1) {
+    double* force[4];
+    double sum = 0.0;
+    for (int c = 0; c < 4; ++c) {
+      force[c] = &corner_force_[4 * (place + 4 * c)];
+      for (int k = 0; k < 3; ++k) sum += force[c][k];
+    }
+    const Index p = patchOf(place);
+    if (std::isfinite(sum) || p >= (place / 16 < (num_fours_ + 3) / 4 ? num_fours_ : static_cast<Index>(patches_.size())))
+      continue;
+    const Patch& patch = patches_[p];
+    for (double* f : force) std::fill_n(f, 3, 0.0);
+    for (const Index t : patch.elements) {
+      if (t < 0) continue;
+      const Mat32 corner = cornerForces(t, state);
+      // The first place of a point: the last one of a pair without a partner repeats another.
+      const auto add = [&](Index point, const Vec3& f) {
+        int c = 0;
+        while (patch.points[c] != point) ++c;
+        for (int k = 0; k < 3; ++k) force[c][k] += f[k];
+      };
+      add(elements_[t].corner[0], -(corner.col(0) + corner.col(1)));
+      add(elements_[t].corner[1], corner.col(0));
+      add(elements_[t].corner[2], corner.col(1));
     }
   }
 }

@@ -57,6 +57,7 @@ class MassSpring : public DeformableModel,
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
   void addFastForces(const State& state, Points& forces) const override;
   void addSlowForces(const State& state, Points& forces) const override;
+  void addFastStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
   double boundSlowRate(const State& state) const override { return bending_.boundRate(state, masses_); }
   /// False with a constant volume, which couples all points.
   bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;

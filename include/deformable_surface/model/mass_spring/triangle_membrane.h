@@ -6,6 +6,8 @@
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/model/mass_spring/part_index.h"
 
+#include <array>
+
 namespace deformable_surface::model {
 
 /// Per triangle, with F (3 x 2) the derivative of the position by the coordinates in the triangle's plane at rest, R its rotation
@@ -24,9 +26,9 @@ class TriangleMembrane {
   TriangleMembrane(const std::vector<WeightedTriangle>& triangles, const Points& rest, double membrane_stiffness,
                    double poisson_ratio);
 
-  /// Marks the other corners of the triangles at points.
+  /// Marks the other corners of the triangles at points, and of those that act together with these.
   void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
-  /// The triangles that touch a wanted point, in their order.
+  /// The triangles that touch a wanted point, and those on the same four points as one, in their order.
   TriangleMembrane makePart(const PartIndex& part) const;
 
   /// positions: those of the state.
@@ -51,16 +53,29 @@ class TriangleMembrane {
   };
   static Mat32 gradient(const Element& e, const State& state);
   Mat32 cornerForces(Index t, const State& state) const;
+  // Triangles on the same four points act as one: first fours, on every three of the points, then pairs, (0, 1, 2) and (0, 2, 3).
+  // Most of the time goes into reading points and distributing forces, of which there are then fewer.
+  struct Patch {
+    Index points[4];
+    Index elements[4];  // of (0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3); -1: not there
+  };
+  void groupTriangles();
   void prepareForceLoop(Index num_points);
+  static std::array<double, 6> constantsOf(const Element& e, Index p, Index q, Index r);
+  Index patchOf(Index item) const;  // of incidence_
   void repairCollapsed(Index begin, Index end, const State& state) const;
 
   // Constants.
   std::vector<Element> elements_;
-  std::vector<Index> group_corners_;     // four elements side by side, the last ones repeated: (3 x 4) corners
-  std::vector<double> group_constants_;  // and (6 x 4) constants of these for the force loop
-  Lists incidence_;                      // per point: 12 * group + 4 * corner + lane, where its forces are
+  std::vector<Patch> patches_;
+  Index num_fours_ = 0;
+  // Four patches of a kind side by side, the last ones of each kind repeated: (4 x 4) points, and per triangle (6 x 4) constants
+  // for the force loop.
+  std::vector<Index> group_points_;
+  std::vector<double> group_constants_;
+  Lists incidence_;  // per point: 16 * group + 4 * corner + lane, where its forces are
   double mu_ = 0.0, lambda_ = 0.0;
-  // Scratch: forces on the corners, in the order of group_corners_, padded to four numbers.
+  // Scratch: forces on the corners, in the order of group_points_, padded to four numbers.
   mutable std::vector<double> corner_force_;
 };
 
