@@ -276,14 +276,22 @@ double System::largestRow(const std::vector<double>& bounds) const {
 }
 
 double System::dampingRate(double time, const State& state) const {
-  computeRowBounds(time, state);
+  // Without forces that read velocities only loads damp, and the bounds of the model's stiffness are not asked for.
+  if (model_.forcesReadVelocities())
+    computeRowBounds(time, state);
+  else
+    computeLoadBounds(time, state);
   return largestRow(row_damping_);
 }
 
-double System::loadStiffness(double time, const State& state) const {
+void System::computeLoadBounds(double time, const State& state) const {
   row_stiffness_.assign(size(), 0.0);
   row_damping_.assign(size(), 0.0);
   for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+}
+
+double System::loadStiffness(double time, const State& state) const {
+  computeLoadBounds(time, state);
   return largestRow(row_stiffness_);
 }
 

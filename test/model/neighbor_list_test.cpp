@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace deformable_surface::test {
@@ -173,6 +174,43 @@ TEST(NeighborList, IsKeptWhileAllMoveTogetherOrSomeAreHeld) {
   expectValid(1);
   for (Index i = 0; i < 400; ++i) points[i] = begin[i] + 1.01 * kSkin * (i % 2) * Vec3::UnitZ();
   expectValid(2);
+}
+
+TEST(NeighborList, IsKeptWhileTwoGroupsOutOfReachMoveEachAsAWhole) {
+  NeighborList lists(kRadius, kSkin);
+  const Index n = 2000;  // two blocks
+  Points points = randomPoints(n, 0.3);
+  const auto move = [&](const Vec3& by, const Vec3& jitter) {
+    std::mt19937 generator(9);
+    for (Index i = 0; i < n; i += 2) points[i] += by + jitter.cwiseProduct(randomVector(generator));
+  };
+  const auto expectAll = [&] {
+    for (Index i = 0; i < n; ++i)
+      for (const Index j : findNear(points, i, kRadius))
+        ASSERT_TRUE(std::binary_search(lists.begin(i), lists.end(i), j)) << i << " " << j;
+  };
+  ASSERT_TRUE(lists.update(points));
+  // One half passes through the other.
+  move(Vec3(0.0, 0.0, 0.2), Vec3::Zero());
+  ASSERT_TRUE(lists.update(points));
+  EXPECT_EQ(lists.numRebuilds(), 2);
+  expectAll();
+  // Out of reach it may move on, also as it deforms a little, or back and forth.
+  move(Vec3(0.0, 0.0, 0.7), Vec3::Zero());
+  ASSERT_TRUE(lists.update(points));
+  move(Vec3(0.1, 0.3, 0.5), 0.2 * kSkin * Vec3::Ones());
+  ASSERT_TRUE(lists.update(points));
+  EXPECT_EQ(lists.numRebuilds(), 2);
+  expectAll();
+  // But not come back to another place, nor deform more.
+  move(Vec3(0.0, 0.0, -1.2), Vec3::Zero());
+  ASSERT_TRUE(lists.update(points));
+  EXPECT_EQ(lists.numRebuilds(), 3);
+  expectAll();
+  move(Vec3(0.1, 0.0, 1.2), kSkin * Vec3::Ones());
+  ASSERT_TRUE(lists.update(points));
+  EXPECT_EQ(lists.numRebuilds(), 4);
+  expectAll();
 }
 
 TEST(NeighborList, IsTheSameForEveryNumberOfThreads) {

@@ -150,6 +150,7 @@ class System {
 
  private:
   void computeRowBounds(double time, const State& state) const;
+  void computeLoadBounds(double time, const State& state) const;  // without those of the model
   /// The largest of bounds (n) over its mass, of free points.
   double largestRow(const std::vector<double>& bounds) const;
   bool hasCarried(const Points& before, const Points& after) const;

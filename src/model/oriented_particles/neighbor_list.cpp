@@ -1,6 +1,7 @@
 #include "deformable_surface/model/oriented_particles/neighbor_list.h"
 
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/simd.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,39 @@ std::int64_t wrap(double quotient) {
   constexpr double kFar = static_cast<double>(kPeriod);
   const double cell = std::floor(quotient);
   return static_cast<std::int64_t>(std::abs(cell) < kFar ? cell : std::fmod(cell, kFar));
+}
+
+// Places in memory of four numbers each, x, y, z and what belongs to them: of begin .. end - 1, those within a distance of p are
+// written to found, ascending. Returns their number; stops when there are more than `limit`. found: (limit + 4).
+DEFORMABLE_SURFACE_WIDE
+Index selectWithin(const double* places, Index begin, Index end, const double* p, double squared_distance, Index limit,
+                   Index* found) {
+  const Double4 most = Double4{0.0, 0.0, 0.0, 0.0} + squared_distance;
+  Index count = 0, s = begin;
+  for (; end - s >= 4 && count <= limit; s += 4) {
+    const double* const rows = places + 4 * static_cast<std::ptrdiff_t>(s);
+    Double4 x, y, z, other;
+    load(rows, x);
+    load(rows + 4, y);
+    load(rows + 8, z);
+    load(rows + 12, other);
+    transpose(x, y, z, other);
+    x -= p[0];
+    y -= p[1];
+    z -= p[2];
+    const auto is_within = x * x + y * y + z * z <= most;  // -1 where it holds
+    for (int k = 0; k < 4; ++k) {
+      found[count] = s + k;
+      count -= static_cast<Index>(is_within[k]);
+    }
+  }
+  for (; s < end && count <= limit; ++s) {
+    const double* const row = places + 4 * static_cast<std::ptrdiff_t>(s);
+    const double x = row[0] - p[0], y = row[1] - p[1], z = row[2] - p[2];
+    found[count] = s;
+    count += x * x + y * y + z * z <= squared_distance;
+  }
+  return count;
 }
 
 }  // namespace
@@ -58,9 +92,14 @@ bool NeighborList::update(const Points& positions, const std::vector<ParticleTra
 // Pairs approach each other by the difference of their displacements. So displacements count from the middle of the box around
 // all of them: a surface that moves as a whole needs no new lists, and one that is held somewhere needs half as many.
 bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) {
-  const Index n = static_cast<Index>(positions.size());
+  const Index n = static_cast<Index>(positions.size()), num_blocks = (n + kBlock - 1) / kBlock;
   const bool same_number = positions.size() == rebuilt_at_.size();
-  ranges_.resize((n + kBlock - 1) / kBlock);
+  constexpr Index kGroups = 2;
+  ranges_.resize((1 + 2 * kGroups) * num_blocks);
+  const auto extend = [](const Vec3& low, const Vec3& high, Range& range) {
+    range.low = range.low.cwiseMin(low);
+    range.high = range.high.cwiseMax(high);
+  };
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     Range& range = ranges_[begin / kBlock];
     range = {};
@@ -68,15 +107,13 @@ bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) {
       if (!positions[i].allFinite()) range.is_finite = false;
       if (!same_number) continue;
       const Vec3 move = positions[i] - rebuilt_at_[i];
-      range.low = range.low.cwiseMin(move);
-      range.high = range.high.cwiseMax(move);
+      extend(move, move, range);
     }
   });
   Range all;
-  for (const Range& range : ranges_) {
-    all.is_finite = all.is_finite && range.is_finite;
-    all.low = all.low.cwiseMin(range.low);
-    all.high = all.high.cwiseMax(range.high);
+  for (Index block = 0; block < num_blocks; ++block) {
+    all.is_finite = all.is_finite && ranges_[block].is_finite;
+    extend(ranges_[block].low, ranges_[block].high, all);
   }
   is_finite = all.is_finite;
   if (!is_finite || !same_number) return true;
@@ -89,7 +126,29 @@ bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) {
     for (Index i = begin; i < end; ++i) count += !((positions[i] - rebuilt_at_[i] - middle).squaredNorm() <= most);
     return count;
   });
-  return far > 0.0;
+  if (!(far > 0.0)) return false;
+  // Two groups, such as a piece that falls and the rest in its clamps, need no new lists while each moves as a whole and no pair
+  // of both is within the radius. They are told by the middle of the longest edge of the box.
+  int axis;
+  (all.high - all.low).maxCoeff(&axis);
+  Range* const groups = ranges_.data() + num_blocks;  // of each block: displacements of the groups, then their places
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Range* const ranges = groups + 2 * kGroups * (begin / kBlock);
+    std::fill_n(ranges, 2 * kGroups, Range());
+    for (Index i = begin; i < end; ++i) {
+      const Vec3 move = positions[i] - rebuilt_at_[i];
+      const Index group = move[axis] > middle[axis] ? 1 : 0;
+      extend(move, move, ranges[group]);
+      extend(positions[i], positions[i], ranges[kGroups + group]);
+    }
+  });
+  Range both[2 * kGroups];
+  for (Index k = 0; k < 2 * kGroups * num_blocks; ++k) extend(groups[k].low, groups[k].high, both[k % (2 * kGroups)]);
+  for (Index group = 0; group < kGroups; ++group)
+    if (!((both[group].high - both[group].low).squaredNorm() <= skin_ * skin_)) return true;
+  const Range &first = both[kGroups], &second = both[kGroups + 1];
+  const Vec3 gap = (second.low - first.high).cwiseMax(first.low - second.high).cwiseMax(0.0);
+  return !(gap.squaredNorm() > radius_ * radius_);
 }
 
 NeighborList::Cell NeighborList::cellOf(const Vec3& p) const {
@@ -155,17 +214,21 @@ bool NeighborList::listNeighbors(const Points& positions, const std::vector<Part
     list.clear();
     if (!cuts.isEmpty()) parted_[first / kBlock].clear();
     if (hasApart()) near_apart_[first / kBlock].clear();
-    Index near[kMostNeighbors];
+    Index near[kMostNeighbors], found[kMostNeighbors + 5];
+    static_assert(sizeof(Slot) == 4 * sizeof(double));
+    const double* const places = &slots_.data()->x;
     double too_many = 0.0;
     for (Index i = first; i < last; ++i) {
       const Vec3& p = positions[i];
       const Cell cell = cellOf(p);
       Index count = 0;
       const auto take = [&](Index from, Index to, std::uint32_t row) {
-        for (Index s = from; s < to; ++s) {
-          const Slot& slot = slots_[s];
-          const double x = slot.x - p.x(), y = slot.y - p.y(), z = slot.z - p.z();
-          if (!(x * x + y * y + z * z <= most) || slot.row != row || slot.particle == i) continue;
+        // The slots hold no particle twice: more than the most and itself are too many.
+        const Index within = selectWithin(places, from, to, p.data(), most, kMostNeighbors + 1, found);
+        if (within > kMostNeighbors + 1) too_many = 1.0;
+        for (Index k = 0; k < within; ++k) {
+          const Slot& slot = slots_[found[k]];
+          if (slot.row != row || slot.particle == i) continue;
           if (count == kMostNeighbors) {
             too_many = 1.0;
             return;

@@ -182,6 +182,21 @@ void OrientedParticles::forEachParted(Index i, const Take& take) const {
     take((Eigen::Map<const Vec3>(packed_.place(*j)) - p).norm());
 }
 
+// Calls add(i, k) with the bounds k of the stiffness of every pair of each particle i of begin .. end - 1, in ascending order of
+// its neighbours. The bounds are the same from both sides: pairs within that range are evaluated once.
+template <class Add>
+void OrientedParticles::addStiffness(Index begin, Index end, const Add& add) const {
+  for (Index i = begin; i < end; ++i)
+    for (const Index* j = lists_.begin(i); j != lists_.end(i) && *j < begin; ++j)
+      add(i, boundStiffness(lattice_.pair, packed_, i, *j));
+  for (Index i = begin; i < end; ++i)
+    for (const Index* j = std::upper_bound(lists_.begin(i), lists_.end(i), i); j != lists_.end(i); ++j) {
+      const PairStiffness k = boundStiffness(lattice_.pair, packed_, i, *j);
+      add(i, k);
+      if (*j < end) add(*j, k);
+    }
+}
+
 void OrientedParticles::addForces(const State& state, Points& forces) const {
   torques_.assign(state.positions.size(), Vec3::Zero());
   addForcesAndTorques(state, forces, torques_);
@@ -391,17 +406,16 @@ double OrientedParticles::findStableStep(const State& state) const {
   const ApartPotential apart = apartPotential();
   row_maxima_.assign(num_blocks, 0.0);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
-    double largest = 0.0;
+    double largest = 0.0, moves[kBlock] = {}, turns[kBlock] = {};
+    addStiffness(begin, end, [&](Index i, const PairStiffness& k) {
+      moves[i - begin] += 2.0 * (k.x / mass + k.y / both);
+      turns[i - begin] += 2.0 * k.y / both + k.z / inertia;
+    });
     for (Index i = begin; i < end; ++i) {
-      double move = 0.0, turn = 0.0;
-      forEachNear(i, lattice_.pair.cutoff, [&](Index j, double) {
-        const PairStiffness k = boundStiffness(lattice_.pair, packed_, i, j);
-        move += 2.0 * (k.x / mass + k.y / both);
-        turn += 2.0 * k.y / both + k.z / inertia;
-      });
+      double move = moves[i - begin];
       forEachParted(i, [&](double d) { move += 2.0 * boundContactStiffness(lattice_.pair, d) / mass; });
       move += countApart(apart, lists_, packed_, i) * 4.0 * apart.stiffness / mass;
-      largest = std::max({largest, move, turn});
+      largest = std::max({largest, move, turns[i - begin]});
     }
     row_maxima_[begin / kBlock] = largest;
   });
@@ -413,9 +427,7 @@ double OrientedParticles::findStableStep(const State& state) const {
 void OrientedParticles::addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>&) const {
   if (!prepare(state)) return;
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i)
-      forEachNear(i, lattice_.pair.cutoff,
-                  [&](Index j, double) { stiffness[i] += 2.0 * boundStiffness(lattice_.pair, packed_, i, j).x; });
+    addStiffness(begin, end, [&](Index i, const PairStiffness& k) { stiffness[i] += 2.0 * k.x; });
     for (Index i = begin; i < end; ++i)
       forEachParted(i, [&](double d) { stiffness[i] += 2.0 * boundContactStiffness(lattice_.pair, d); });
     if (!lists_.hasApart()) return;

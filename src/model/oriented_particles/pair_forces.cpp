@@ -141,20 +141,6 @@ DEFORMABLE_SURFACE_INLINE void evaluatePair(const PairPotentials& p, Pair<T>& pa
 
 DEFORMABLE_SURFACE_INLINE double addLanes(const Double4& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 
-// Selects the listed particles within the cutoff, in their order.
-DEFORMABLE_SURFACE_INLINE Index selectNear(const PairPotentials& p, const NeighborList& lists, const PackedParticles& particles,
-                                           Index i, Index* near) {
-  const double x = particles.place(i)[0], y = particles.place(i)[1], z = particles.place(i)[2], most = p.cutoff * p.cutoff;
-  Index count = 0;
-  for (const Index *j = lists.begin(i), *end = lists.end(i); j != end; ++j) {
-    const double* q = particles.place(*j);
-    const double dx = q[0] - x, dy = q[1] - y, dz = q[2] - z;
-    near[count] = *j;
-    count += dx * dx + dy * dy + dz * dz < most;
-  }
-  return count;
-}
-
 // Which lanes are in use, by their number.
 constexpr double kLanes[5][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}, {1, 1, 1, 0}, {1, 1, 1, 1}};
 
@@ -165,6 +151,34 @@ DEFORMABLE_SURFACE_INLINE void loadRows(const double* rows, const Index* near, D
   load(rows + kStride * static_cast<std::ptrdiff_t>(near[2]), c);
   load(rows + kStride * static_cast<std::ptrdiff_t>(near[3]), d);
   transpose(a, b, c, d);
+}
+
+// Selects the listed particles within the cutoff, in their order. Half of them are not, in no order that branches could foresee.
+DEFORMABLE_SURFACE_INLINE Index selectNear(const PairPotentials& p, const NeighborList& lists, const PackedParticles& particles,
+                                           Index i, Index* near) {
+  const double x = particles.place(i)[0], y = particles.place(i)[1], z = particles.place(i)[2], most = p.cutoff * p.cutoff;
+  const Double4 limit = Double4{0.0, 0.0, 0.0, 0.0} + most;
+  Index count = 0;
+  const Index *j = lists.begin(i), *const end = lists.end(i);
+  for (; end - j >= 4; j += 4) {
+    Double4 dx, dy, dz, strength;
+    loadRows(particles.places.data(), j, dx, dy, dz, strength);
+    dx -= x;
+    dy -= y;
+    dz -= z;
+    const auto is_near = dx * dx + dy * dy + dz * dz < limit;  // -1 where it holds
+    for (int k = 0; k < 4; ++k) {
+      near[count] = j[k];
+      count -= static_cast<Index>(is_near[k]);
+    }
+  }
+  for (; j != end; ++j) {
+    const double* q = particles.place(*j);
+    const double dx = q[0] - x, dy = q[1] - y, dz = q[2] - z;
+    near[count] = *j;
+    count += dx * dx + dy * dy + dz * dz < most;
+  }
+  return count;
 }
 
 // The contribution of a particle to its pairs, or of two particles to lanes that they share.
@@ -332,6 +346,7 @@ double gatherEnergy(const PairPotentials& p, const NeighborList& lists, const Pa
   for (Index i = begin; i < end; ++i) {
     const double *place = particles.place(i), *normal = particles.normal(i);
     for (const Index* j = lists.begin(i); j != lists.end(i); ++j) {
+      if (begin <= *j && *j < i) continue;  // a pair of two of these was counted in full at its first
       const double *q = particles.place(*j), *m = particles.normal(*j);
       Pair<double> pair;
       double squared = 0.0;
@@ -353,7 +368,7 @@ double gatherEnergy(const PairPotentials& p, const NeighborList& lists, const Pa
       } else {
         evaluatePair<false, true, true, true, false>(p, pair);
       }
-      sum += 0.5 * pair.level;
+      sum += (i < *j && *j < end ? 1.0 : 0.5) * pair.level;
     }
   }
   return sum;

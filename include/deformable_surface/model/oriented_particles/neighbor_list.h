@@ -11,8 +11,8 @@
 namespace deformable_surface::model {
 
 /// Lists of all others within a radius plus a skin [Verlet 1967], rebuilt only when some particle has moved more than half the
-/// skin since, apart from a translation of all. Cells are sorted by a hash of their place [Teschner 2003], so that empty space
-/// costs nothing however far particles fly.
+/// skin since, apart from a translation of all or, where there are two groups out of reach of each other, of each. Cells are
+/// sorted by a hash of their place [Teschner 2003], so that empty space costs nothing however far particles fly.
 class NeighborList {
  public:
   /// Particles with more neighbours than this are refused: such a heap of particles is no surface.
@@ -117,7 +117,7 @@ class NeighborList {
   std::vector<Index> bins_, starts_;                  // of each particle; (number of bins + 1) into slots_
   std::vector<Slot> slots_;                           // (n) by bin, then by index
   Index mask_ = 0;                                    // number of bins - 1, a power of two less one
-  std::vector<Range> ranges_;                         // by block
+  std::vector<Range> ranges_;                         // by block; then of two groups in each, displacements and places
   Index num_rebuilds_ = 0;
 };
 

@@ -128,6 +128,8 @@ class OrientedParticles : public DeformableModel,
   void forEachNear(Index i, double distance, const Take& take) const;
   template <class Take>
   void forEachParted(Index i, const Take& take) const;
+  template <class Add>
+  void addStiffness(Index begin, Index end, const Add& add) const;
 
   const OrientedParticlesParams params_;
   const MaterialParams material_;
