@@ -23,6 +23,17 @@ constexpr Index kBlock = 1024;
 constexpr double kTie = 1e-9;
 // A closed surface that encloses less than this share of (area x extent) is flat, and has no outside.
 constexpr double kFlat = 1e-6;
+// Ratio of the two smaller variances above which a neighbourhood may hold more than one layer. A sphere whose radius is that of
+// the neighbourhood has 0.1.
+constexpr double kThick = 0.03;
+// A link of a neighbourhood's minimum spanning tree that is longer than most (this quantile) by this factor is a gap.
+constexpr double kTreeQuantile = 0.9, kGap = 1.3;
+// Points of a surface have more of their own part than this within that many such links; those of a row have two.
+constexpr std::size_t kOfSurface = 3;
+constexpr double kNear = 1.5;
+constexpr std::size_t kFewestOwn = 6;    // neighbours on this side of a gap, for a plane of their own
+constexpr double kClearlyFlatter = 0.5;  // of the thickness, that the own part must be
+constexpr double kLine = 0.01;           // ratio of the two larger variances below which points lie on a line
 
 void checkSizes(const char* function, const Points& positions, const Lists& neighbors) {
   if (neighbors.size() == static_cast<Index>(positions.size())) return;
@@ -147,50 +158,129 @@ struct Component {
   Vec3 mean_normal = Vec3::Zero();
 };
 
+struct Plane {
+  Vec3 normal;
+  double thickness = 0.0;  // least variance over the middle one
+  double width = 0.0;      // middle variance over the largest
+};
+
+// The plane of least variance through a point and its neighbours.
+Plane fitPlane(const Points& positions, Index i, const Index* first, const Index* last) {
+  // Offsets from the point keep their digits far from the origin; scaled to one they neither overflow nor underflow.
+  const Vec3 p = positions[i];
+  Vec3 mean = Vec3::Zero();
+  double extent = 0.0;
+  for (const Index* j = first; j != last; ++j) {
+    const Vec3 d = positions[*j] - p;
+    mean += d;
+    extent = std::max(extent, d.cwiseAbs().maxCoeff());
+  }
+  if (!(extent > 0.0)) return {Vec3::UnitZ()};
+  mean /= static_cast<Index>(last - first) + 1;
+
+  // Covariance of the point and its neighbours: six sums that stay in registers, half the time of a matrix.
+  const double scale = 1.0 / extent;
+  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
+  const auto add = [&](const Vec3& d) {
+    xx += d.x() * d.x();
+    xy += d.x() * d.y();
+    xz += d.x() * d.z();
+    yy += d.y() * d.y();
+    yz += d.y() * d.z();
+    zz += d.z() * d.z();
+  };
+  add(-mean * scale);
+  for (const Index* j = first; j != last; ++j) add((positions[*j] - p - mean) * scale);
+  Mat3 covariance;
+  covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  // The iterative solver: the closed form loses half the digits where a neighbourhood is thin.
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
+  if (!covariance.allFinite() || !solver.eigenvectors().allFinite()) {
+    throw InputError("estimateNormals: the neighbourhood of point " + std::to_string(i) +
+                     " is not finite; only finite points have a normal");
+  }
+  const Vec3& variance = solver.eigenvalues();
+  return {solver.eigenvectors().col(0).normalized(), variance[1] > 0.0 ? variance[0] / variance[1] : 0.0,
+          variance[2] > 0.0 ? variance[1] / variance[2] : 0.0};
+}
+
+// The neighbours of a point that no gap parts from it: its component of their minimum spanning tree without the links
+// that are much longer than most.
+class OwnPart {
+ public:
+  // Nearest in the tree first; empty if that is all of them or a row of points. Valid until the next call.
+  const std::vector<Index>& find(const Points& positions, Index i, const Index* first, const Index* last) {
+    outside_.clear();
+    for (const Index* j = first; j != last; ++j) outside_.push_back({positions[*j], std::numeric_limits<double>::infinity(), *j});
+    inside_.clear();
+    links_.clear();
+    Vec3 newest = positions[i];
+    while (!outside_.empty()) {
+      Candidate* next = outside_.data();
+      for (Candidate& c : outside_) {
+        c.squared = std::min(c.squared, (c.position - newest).squaredNorm());
+        if (c.squared < next->squared) next = &c;
+      }
+      newest = next->position;
+      inside_.push_back(next->point);
+      links_.push_back(next->squared);
+      *next = outside_.back();
+      outside_.pop_back();
+    }
+    if (links_.empty()) return inside_;
+    sorted_ = links_;
+    const auto typical = sorted_.begin() + static_cast<std::ptrdiff_t>(kTreeQuantile * (sorted_.size() - 1));
+    std::nth_element(sorted_.begin(), typical, sorted_.end());
+    // The tree grows from the point: what comes before the first long link is its component.
+    const auto gap = std::find_if(links_.begin(), links_.end(), [&](double s) { return s > kGap * kGap * *typical; });
+    inside_.resize(gap == links_.end() ? 0 : gap - links_.begin());
+    if (isCurve(positions, kNear * kNear * *typical)) inside_.clear();
+    return inside_;
+  }
+
+ private:
+  // A row of points, straight or bent: each has one neighbour on either side. Rows that lie far apart are one surface.
+  bool isCurve(const Points& positions, double squared_near) const {
+    std::size_t near = 0;
+    for (const Index a : inside_)
+      for (const Index b : inside_) near += a != b && (positions[a] - positions[b]).squaredNorm() < squared_near;
+    return near < kOfSurface * inside_.size();
+  }
+
+  struct Candidate {
+    Vec3 position;
+    double squared;  // m^2, distance to the tree
+    Index point;
+  };
+  std::vector<Candidate> outside_;
+  std::vector<Index> inside_;
+  std::vector<double> links_, sorted_;  // m^2, with which those inside joined the tree
+};
+
 }  // namespace
 
 Points estimateNormals(const Points& positions, const Lists& neighbors) {
   checkSizes("estimateNormals", positions, neighbors);
   Points normals(positions.size());
   parallelFor(static_cast<Index>(positions.size()), kBlock, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) {
-      // Offsets from the point keep their digits far from the origin; scaled to one they neither overflow nor underflow.
-      const Vec3 p = positions[i];
-      Vec3 mean = Vec3::Zero();
-      double extent = 0.0;
-      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-        const Vec3 d = positions[*j] - p;
-        mean += d;
-        extent = std::max(extent, d.cwiseAbs().maxCoeff());
-      }
-      if (!(extent > 0.0)) {
-        normals[i] = Vec3::UnitZ();
-        continue;
-      }
-      mean /= neighbors.count(i) + 1;
+    for (Index i = begin; i < end; ++i) normals[i] = fitPlane(positions, i, neighbors.begin(i), neighbors.end(i)).normal;
+  });
+  return normals;
+}
 
-      // Covariance of the point and its neighbours: six sums that stay in registers, half the time of a matrix.
-      const double scale = 1.0 / extent;
-      double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
-      const auto add = [&](const Vec3& d) {
-        xx += d.x() * d.x();
-        xy += d.x() * d.y();
-        xz += d.x() * d.z();
-        yy += d.y() * d.y();
-        yz += d.y() * d.z();
-        zz += d.z() * d.z();
-      };
-      add(-mean * scale);
-      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) add((positions[*j] - p - mean) * scale);
-      Mat3 covariance;
-      covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-      // The iterative solver: the closed form loses half the digits where a neighbourhood is thin.
-      const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
-      if (!covariance.allFinite() || !solver.eigenvectors().allFinite()) {
-        throw InputError("estimateNormals: the neighbourhood of point " + std::to_string(i) +
-                         " is not finite; only finite points have a normal");
-      }
-      normals[i] = solver.eigenvectors().col(0).normalized();
+Points estimateNormalsInSpace(const Points& positions, const Lists& neighbors) {
+  checkSizes("estimateNormalsInSpace", positions, neighbors);
+  Points normals(positions.size());
+  parallelFor(static_cast<Index>(positions.size()), kBlock, [&](Index begin, Index end) {
+    OwnPart part;
+    for (Index i = begin; i < end; ++i) {
+      const Plane plane = fitPlane(positions, i, neighbors.begin(i), neighbors.end(i));
+      normals[i] = plane.normal;
+      if (plane.thickness <= kThick) continue;
+      const std::vector<Index>& own = part.find(positions, i, neighbors.begin(i), neighbors.end(i));
+      if (own.size() < kFewestOwn) continue;
+      const Plane of_own = fitPlane(positions, i, own.data(), own.data() + own.size());
+      if (of_own.width > kLine && of_own.thickness < kClearlyFlatter * plane.thickness) normals[i] = of_own.normal;
     }
   });
   return normals;

@@ -134,6 +134,57 @@ TEST(EstimateNormals, ArePerpendicularToLinesAndSlivers) {
   }
 }
 
+// Two sheets whose points are displaced in their plane; the spacing is 1.
+Shape makeLayers(double gap, double jitter, std::uint32_t seed) {
+  Shape shape;
+  std::mt19937 random(seed);
+  const auto draw = [&] { return jitter * (2.0 * random() / 4294967296.0 - 1.0); };
+  for (int layer = 0; layer < 2; ++layer)
+    for (Index i = 0; i < 10; ++i)
+      for (Index j = 0; j < 6; ++j) shape.add(Vec3(i + draw(), j + draw(), gap * layer), Vec3::UnitZ(), true);
+  return shape;
+}
+
+// Neighbourhoods of 32 points at the edge of one sheet reach to the other one.
+TEST(EstimateNormalsInSpace, AreThoseOfEachLayer) {
+  double tilted_before = 1.0;
+  for (const double gap : {1.5, 2.0, 2.5, 3.0, 4.0})
+    for (const double jitter : {0.0, 0.15, 0.3}) {
+      const Shape shape = makeLayers(gap, jitter, 1);
+      const Lists neighbors = nearestNeighbors(shape.positions, 32);
+      for (const Vec3& n : estimateNormalsInSpace(shape.positions, neighbors)) {
+        ASSERT_GT(std::abs(n.z()), jitter > 0.2 && gap < 2.0 ? 0.9 : 0.9999) << gap << ' ' << jitter;
+      }
+      for (const Vec3& n : estimateNormals(shape.positions, neighbors)) tilted_before = std::min(tilted_before, std::abs(n.z()));
+    }
+  EXPECT_LT(tilted_before, 0.1);  // 84 degrees
+}
+
+// The rings of a tube lie farther apart than their points: each is flatter than the tube, and is no layer.
+TEST(EstimateNormalsInSpace, TakeRowsOfATubeForOneSurface) {
+  for (const double along : {1.0, 1.4, 1.8, 2.2}) {
+    Shape tube;
+    const Index around = 20;
+    const double radius = around / (2.0 * kPi);
+    for (Index ring = 0; ring < 10; ++ring)
+      for (Index i = 0; i < around; ++i) {
+        const double angle = 2.0 * kPi * i / around;
+        const Vec3 normal(std::cos(angle), std::sin(angle), 0.0);
+        tube.add(radius * normal + along * ring * Vec3::UnitZ(), normal, ring == 0 || ring == 9);
+      }
+    const Lists neighbors = nearestNeighbors(tube.positions, 32);
+    const Points expected = estimateNormals(tube.positions, neighbors), found = estimateNormalsInSpace(tube.positions, neighbors);
+    for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], expected[i]) << along << ' ' << i;
+  }
+}
+
+TEST(EstimateNormalsInSpace, AreThoseOfAllNeighboursOnASurface) {
+  Shape shape = makeTorus(40, 14);
+  addSphere(shape, 150, Vec3(5.0, 0.0, 0.0), 1.0);
+  const Lists neighbors = nearestNeighbors(shape.positions, 32);
+  EXPECT_EQ(estimateNormalsInSpace(shape.positions, neighbors), estimateNormals(shape.positions, neighbors));
+}
+
 TEST(Normals, AreUnitOnCloudsWithoutSurface) {
   const std::vector<Points> clouds = {
       {},

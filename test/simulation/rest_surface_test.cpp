@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 namespace deformable_surface::test {
 namespace {
@@ -68,6 +69,28 @@ TEST(RestSurface, AGapNarrowerThanTheSimulationPointsAreApartStaysOpen) {
     EXPECT_EQ(countCarriedAlong(s), 0) << "gap " << gap;
     EXPECT_FALSE(hasNoteOfGaps(s)) << "gap " << gap;
   }
+}
+
+// Strips of two to six rows, one above the other. Neighbourhoods hold about as many points of the other strip.
+TEST(RestSurface, LayersSomeSpacingsApartAreTwoSurfaces) {
+  for (const int rows : {2, 3, 4, 6})
+    for (const double gap : {1.5, 2.0, 2.5, 3.0, 4.0, 5.0}) {
+      std::mt19937 random(static_cast<std::uint32_t>(rows));
+      const auto draw = [&] { return 0.003 * (2.0 * random() / 4294967296.0 - 1.0); };
+      cloud::PointCloud cloud;
+      for (int layer = 0; layer < 2; ++layer)
+        for (int i = 0; i < 24; ++i)
+          for (int j = 0; j < rows; ++j)
+            cloud.positions.emplace_back(0.02 * i + draw(), 0.02 * j + draw(), 0.1 * draw() + 0.02 * gap * layer);
+      cloud.width = cloud.size();
+      SceneParams scene;
+      scene.simplification.method = cloud::SimplificationMethod::kNone;
+      const RestSurface s = simulation::buildRestSurface(scene, cloud);
+      EXPECT_FALSE(s.is_thick) << rows << ' ' << gap;
+      Index components = 0;
+      cloud::labelComponents(s.rings, components);
+      EXPECT_EQ(components, 2) << rows << ' ' << gap;
+    }
 }
 
 TEST(RestSurface, EuclideanNeighbourhoodsBridgeIt) {

@@ -9,6 +9,10 @@ namespace deformable_surface::cloud {
 /// Where the neighbourhood has no plane (collinear, coincident) the normal is some unit vector perpendicular to its line.
 Points estimateNormals(const Points& positions, const Lists& neighbors);
 
+/// The same for lists of neighbours in space, which may hold points of other layers. In a thick neighbourhood only those
+/// neighbours count that no gap parts from the point, if these are flatter.
+Points estimateNormalsInSpace(const Points& positions, const Lists& neighbors);
+
 /// Normals at the points of the quadratic surfaces that fit their neighbours on the same side: those whose normals are less than
 /// 78 degrees and whose lines are at most 44 degrees off. normals: (n x 3) unit, of a common side. Where a point has fewer than
 /// six of these, its normal stays. Few neighbours tell the sides of a thin body apart, more of one side give better normals.
