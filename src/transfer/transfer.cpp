@@ -283,6 +283,13 @@ bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, con
       }
     }
 
+    // Where all points are simulated each moves as it does. Its slopes are still those of the plane.
+    const std::size_t nearest = std::min_element(distance.begin(), distance.begin() + count) - distance.begin();
+    if (num_usable_ == numDense() && distance[nearest] == 0.0) {
+      value.fill(0.0);
+      value[nearest] = 1.0;
+    }
+
     // The fitted plane at rest: its slopes against the tangent plane, and the point's height over it.
     for (std::size_t j = 0; j < count; ++j) {
       slope_x += gradient_x[j] * z[j];
