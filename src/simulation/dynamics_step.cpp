@@ -332,7 +332,7 @@ Grips::Update Dynamics::updateGrips(double now, double dt) {
   Grips::Update update = grips_.update(now, 1e-6 * dt, now_.points, now_.pinned, forces_on_all_);
   appendNotice(update.notice, clampGrips(update.begun));
   if (update.changed) clampHeld();
-  grips_.carry(now, dt, now_.points, held_);
+  grips_.carry(now, dt, params_.integrator.type == solve::IntegratorType::kStatic, now_.points, held_);
   return update;
 }
 

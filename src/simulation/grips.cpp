@@ -4,6 +4,7 @@
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -12,6 +13,21 @@ constexpr char kAnew[] = "a tool that is deleted and added again takes hold anew
 
 constexpr Index kLook = 1024;  // points between two checks for an interrupt
 constexpr int kMaxPatch = 127;
+
+constexpr double kCatchUp = 2.0;    // times the largest speed of the path
+constexpr double kRounding = 1e-9;  // of the coordinates: points that are nearer to the path are on it
+
+// m/s, of a place that a path carries (m, in its frame). Infinite where the path rests: its pose is reached at once.
+double findLargestSpeed(const std::vector<tool::WaypointParams>& path, const Vec3& place) {
+  const auto find = [&](const tool::WaypointParams& w) {
+    const tool::Pose pose = tool::interpolate(path, w.time);
+    return (pose.position + pose.orientation * place).eval();
+  };
+  double largest = 0.0;
+  for (std::size_t w = 1; w < path.size(); ++w)
+    largest = std::max(largest, (find(path[w]) - find(path[w - 1])).norm() / (path[w].time - path[w - 1].time));
+  return largest > 0.0 ? largest : std::numeric_limits<double>::infinity();
+}
 
 void release(Grips::Grip& grip) {
   grip.points.clear();
@@ -180,13 +196,21 @@ void Grips::addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>
   std::stable_sort(edges.begin(), edges.end(), isBefore);
 }
 
-void Grips::carry(double time, double step, model::State& state, std::vector<char>& held) const {
+void Grips::carry(double time, double step, bool at_once, model::State& state, std::vector<char>& held) const {
   for (const Grip& grip : grips_) {
-    const tool::Pose pose = tool::interpolate(grip.tool.path, time + step);
+    const tool::Pose pose = tool::interpolate(grip.tool.path, time + step), before = tool::interpolate(grip.tool.path, time);
     for (std::size_t k = 0; k < grip.points.size(); ++k) {
       const Index i = grip.points[k];
+      const Vec3 &place = grip.places[k], there = pose.position + pose.orientation * place;
       held[i] = 1;
-      state.velocities[i] = (pose.position + pose.orientation * grip.places[k] - state.positions[i]) / step;
+      Vec3& velocity = state.velocities[i];
+      velocity = (there - state.positions[i]) / step;
+      if (at_once) continue;
+      const Vec3 here = before.position + before.orientation * place;
+      if ((state.positions[i] - here).norm() <= kRounding * here.norm()) continue;
+      const double most = std::max(kCatchUp * findLargestSpeed(grip.tool.path, place), (there - here).norm() / step);
+      const double speed = velocity.norm();
+      if (speed > most) velocity *= most / speed;
     }
   }
 }

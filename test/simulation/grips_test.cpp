@@ -42,6 +42,30 @@ TEST(Grips, WhatItHoldsGoesWhereItGoes) {
   EXPECT_GT(held, 3);
 }
 
+// A pin on a path of 1 m/s that contact has held back.
+TEST(Grips, WhatWasHeldBackCatchesUpAtTwiceTheFastestSpeedOfItsPath) {
+  const auto at = [](double time, double x) { return tool::WaypointParams{time, Vec3(x, 0.0, 0.0), Vec4(0.0, 0.0, 0.0, 1.0)}; };
+  model::State state;
+  state.positions = {Vec3(0.0, 0.0, 0.0)};
+  state.velocities = {Vec3::Zero()};
+  simulation::Grips grips;
+  grips.addPin("pins[0]", {at(0.0, 0.0), at(1.0, 1.0)}, 0.0, {0}, state);
+  std::vector<char> held(1);
+  const auto findSpeed = [&](double time, double x, bool at_once) {
+    state.positions[0].x() = x;
+    grips.carry(time, 0.1, at_once, state, held);
+    return state.velocities[0].x();
+  };
+  EXPECT_NEAR(findSpeed(0.5, 0.5, false), 1.0, 1e-12);   // on its path
+  EXPECT_NEAR(findSpeed(0.5, 0.45, false), 1.5, 1e-12);  // the rest of the way is shorter than a step
+  EXPECT_NEAR(findSpeed(0.5, -0.5, false), 2.0, 1e-12);
+  EXPECT_NEAR(findSpeed(3.0, 0.0, false), 2.0, 1e-12) << "after the end of the path";
+  EXPECT_NEAR(findSpeed(3.0, 0.9, false), 1.0, 1e-12);
+  EXPECT_NEAR(findSpeed(0.5, -0.5, true), 11.0, 1e-12);
+  grips.movePin("pins[0]", {at(0.0, 5.0)});
+  EXPECT_NEAR(findSpeed(0.0, 0.0, false), 50.0, 1e-12) << "a pose is reached at once";
+}
+
 TEST(Grips, EveryMethodCarriesAlike) {
   for (auto type : {solve::IntegratorType::kSymplecticEuler, solve::IntegratorType::kImplicit, solve::IntegratorType::kStatic}) {
     simulation::SceneParams p = hangingSheet();

@@ -60,8 +60,9 @@ class Grips {
              const model::State& state);
   /// Marks the points of each grip as a patch of their own, and adds its edges, ascending (see model::Clamping).
   void addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>& edges) const;
-  /// Marks the gripped points in held, and gives them the velocity that takes them to their places within the step.
-  void carry(double time, double step, model::State& state, std::vector<char>& held) const;
+  /// Marks the gripped points in held, and gives them the velocity that takes them to their places within the step. What contact
+  /// has held back catches up at most twice as fast as its path is at its fastest, unless at_once.
+  void carry(double time, double step, bool at_once, model::State& state, std::vector<char>& held) const;
   /// The indices of points have changed: new_index (of the former points), -1 = removed.
   void renumber(const std::vector<Index>& new_index);
 
