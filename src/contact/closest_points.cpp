@@ -65,4 +65,12 @@ Closest findClosestOfEdges(const Vec3& p, const Vec3& q, const Vec3& a, const Ve
   return {w + s * u - t * v, {1.0 - s, s, t - 1.0, -t}};
 }
 
+bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 normal = (b - a).cross(c - a), along = q - p;
+  const double from = normal.dot(p - a), to = normal.dot(q - a);
+  if (!(from * to < 0.0)) return false;
+  const double u = along.dot((b - p).cross(c - p)), v = along.dot((c - p).cross(a - p)), w = along.dot((a - p).cross(b - p));
+  return (u > 0.0 && v > 0.0 && w > 0.0) || (u < 0.0 && v < 0.0 && w < 0.0);
+}
+
 }  // namespace deformable_surface::contact

@@ -57,15 +57,6 @@ std::vector<Edge> listEdges(Index n, const std::vector<Triangle>& triangles) {
   return edges;
 }
 
-// Whether edge p q crosses triangle a b c.
-bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 normal = (b - a).cross(c - a), along = q - p;
-  const double from = normal.dot(p - a), to = normal.dot(q - a);
-  if (!(from * to < 0.0)) return false;
-  const double u = along.dot((b - p).cross(c - p)), v = along.dot((c - p).cross(a - p)), w = along.dot((a - p).cross(b - p));
-  return (u > 0.0 && v > 0.0 && w > 0.0) || (u < 0.0 && v < 0.0 && w < 0.0);
-}
-
 }  // namespace
 
 PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double thickness)

@@ -54,6 +54,21 @@ void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles)
       const double squared = contact::findClosestToTriangle(rest[p], rest[t[0]], rest[t[1]], rest[t[2]]).squaredDistance();
       if (squared < kOverlap * kOverlap * (rest[t[1]] - rest[t[0]]).squaredNorm()) is_dropped[f] = 1;
     });
+  // On rough surfaces overlapping triangles pass through each other. Where they share a vertex, it is no other layer.
+  const auto size = [&](const contact::Triangle& t) {
+    return (rest[t[1]] - rest[t[0]]).norm() + (rest[t[2]] - rest[t[1]]).norm() + (rest[t[0]] - rest[t[2]]).norm();
+  };
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const Edge& edge = edges[e];
+    triangle_tree.visitMeeting(boxes[e], [&](Index f) {
+      const contact::Triangle &own = triangles[edge.triangle], &other = triangles[f];
+      const auto has = [&](Index v) { return std::find(other.begin(), other.end(), v) != other.end(); };
+      if (is_dropped[edge.triangle] || is_dropped[f] || has(edge.from) || has(edge.to)) return;
+      if (std::none_of(own.begin(), own.end(), has)) return;
+      if (contact::pierces(rest[edge.from], rest[edge.to], rest[other[0]], rest[other[1]], rest[other[2]]))
+        is_dropped[size(own) > size(other) ? edge.triangle : f] = 1;
+    });
+  }
   std::size_t kept = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t)
     if (is_dropped[t] == 0) triangles[kept++] = triangles[t];

@@ -77,6 +77,15 @@ TEST(SelfContactLoad, WhatHasNoContactIsTold) {
   EXPECT_NE(firstNotice(3, 0.007).find("no contact with itself"), std::string::npos);
 }
 
+// Triangles of the surface that overlap on a rough sheet: an edge of one passes through the other, with which it shares a vertex.
+TEST(SelfContactLoad, OfTrianglesThatPassThroughTheirNeighboursTheLargerHasNoContact) {
+  const Points rest = {Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.5, 0.5, 0.3), Vec3(0.1, 0.1, -0.3)};
+  const std::vector<model::WeightedTriangle> triangles = {{{0, 1, 2}, 1.0}, {{0, 3, 4}, 1.0}};
+  const std::vector<contact::Triangle> chosen = simulation::chooseContactTriangles(rest, triangles);
+  ASSERT_EQ(chosen.size(), 1u);
+  EXPECT_EQ(chosen[0], (contact::Triangle{0, 3, 4}));
+}
+
 TEST(SelfContactLoad, TouchesTellEachForceWithItsPlace) {
   ContactScene scene = makeScene("fold", 1, 1.0);
   scene.params.contact.friction = 0.3;

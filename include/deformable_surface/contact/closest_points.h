@@ -23,4 +23,7 @@ Closest findClosestToTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const
 /// Edge p q and edge a b; either may be a point. Parallel edges: any closest pair.
 Closest findClosestOfEdges(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
 
+/// Whether edge p q passes through the inside of triangle a b c.
+bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c);
+
 }  // namespace deformable_surface::contact
