@@ -86,6 +86,18 @@ TEST(SelfContactLoad, OfTrianglesThatPassThroughTheirNeighboursTheLargerHasNoCon
   EXPECT_EQ(chosen[0], (contact::Triangle{0, 3, 4}));
 }
 
+TEST(SelfContactLoad, AThicknessBeyondTheSurfaceIsRefused) {
+  ContactScene scene = makeScene("drop", 1, 0.1);
+  scene.params.contact.thickness = 10.0;
+  try {
+    Simulation s(scene.params, scene.cloud);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("contact.thickness: found 10 m; accepted: below 0."), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(SelfContactLoad, TouchesTellEachForceWithItsPlace) {
   ContactScene scene = makeScene("fold", 1, 1.0);
   scene.params.contact.friction = 0.3;
