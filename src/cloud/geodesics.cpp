@@ -40,13 +40,27 @@ struct Apart {
   std::vector<float> ratio;  // (n) length over trust radius of the nearest of them; infinite if there is none
 };
 
-// Puts the items of the blocks, count[i] of each point, together.
-void joinBlocks(const std::vector<std::vector<Index>>& blocks, const std::vector<Index>& count, Lists& lists) {
-  lists.offsets.assign(1, 0);
-  for (Index c : count) lists.offsets.push_back(lists.offsets.back() + c);
-  lists.items.clear();
-  lists.items.reserve(lists.offsets.back());
-  for (const std::vector<Index>& block : blocks) lists.items.insert(lists.items.end(), block.begin(), block.end());
+// Lists of count[i] items. Those of points with is_new are in the blocks, one after another; the others stay as they were.
+Lists joinBlocks(const std::vector<std::vector<Index>>& blocks, const std::vector<Index>& count, const std::vector<char>& is_new,
+                 const Lists& before) {
+  const Index n = static_cast<Index>(count.size());
+  Lists lists;
+  lists.offsets.resize(n + 1);
+  for (Index i = 0; i < n; ++i) lists.offsets[i + 1] = lists.offsets[i] + count[i];
+  lists.items.resize(lists.offsets[n]);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    const Index* next = blocks[begin / kBlock].data();
+    for (Index i = begin; i < end; ++i) {
+      Index* const to = lists.items.data() + lists.offsets[i];
+      if (!is_new[i]) {
+        std::copy(before.begin(i), before.end(i), to);
+        continue;
+      }
+      std::copy(next, next + count[i], to);
+      next += count[i];
+    }
+  });
+  return lists;
 }
 
 // The state of a listed pair. kOpen: a search from the first point decides; kOpenThere: one from the second.
@@ -173,7 +187,7 @@ Apart findApart(const GeodesicGraph& graph, const Points& positions, const Surfa
       }
     }
   });
-  joinBlocks(blocks, count, apart.lists);
+  apart.lists = joinBlocks(blocks, count, std::vector<char>(n, 1), neighbors);
   return apart;
 }
 
@@ -332,11 +346,8 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
     for (Index i = begin; i < end; ++i) {
       const Index *first = neighbors.begin(i), *last = neighbors.end(i);
       const std::size_t wanted = last - first;
-      if (!at_gap[i] || wanted == 0) {
-        out.insert(out.end(), first, last);
-        count[i] = neighbors.count(i);
-        continue;
-      }
+      count[i] = neighbors.count(i);
+      if (!at_gap[i] || wanted == 0) continue;
       kept.clear();
       std::size_t met = 0;
       const double reach = kKeptDetour * (positions[last[-1]] - positions[i]).norm();
@@ -370,7 +381,7 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
   }
   result.num_joined = countJoined(graph, positions, sides, neighbors);
   result.num_refused = std::accumulate(refused.begin(), refused.end(), Index{0});
-  joinBlocks(blocks, count, result.lists);
+  result.lists = joinBlocks(blocks, count, at_gap, neighbors);
   return result;
 }
 
