@@ -35,17 +35,13 @@ Lists findTwoRings(const Lists& ring, const std::vector<char>& marked) {
 // Index of the first pin of the scene that holds a point at rest or, for a point that rides on one, a neighbour of it; the number
 // of pins if there is none.
 std::size_t Dynamics::findPin(Index point) const {
-  const std::vector<PinParams>& pins = params_.pins;
-  const auto find = [&](Index i) -> std::size_t {
-    const auto holds = [&](const PinParams& pin) { return pin.region.contains(rest_->points[i]); };
-    return std::find_if(pins.begin(), pins.end(), holds) - pins.begin();
-  };
-  std::size_t pin = find(point);
-  if (pin < pins.size() || rest_->pinned[point] != kRidesOnPin) return pin;
-  const Lists& ring = rest_->rings.ring;
-  for (const Index* j = ring.begin(point); j != ring.end(point) && pin == pins.size(); ++j)
-    if (rest_->pinned[*j] == kInPin) pin = find(*j);
-  return pin;
+  Index pin = rest_->pin_of[point];
+  if (pin < 0 && rest_->pinned[point] == kRidesOnPin) {
+    const Lists& ring = rest_->rings.ring;
+    for (const Index* j = ring.begin(point); j != ring.end(point) && pin < 0; ++j)
+      if (rest_->pinned[*j] == kInPin) pin = rest_->pin_of[*j];
+  }
+  return pin < 0 ? params_.pins.size() : static_cast<std::size_t>(pin);
 }
 
 // Starts the pins that follow a path. A point of two pins goes with the first.

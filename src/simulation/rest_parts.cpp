@@ -171,11 +171,13 @@ bool isBandOfRows(const Points& points, const PinParams& pin, double spacing) {
 void applyPins(const SceneParams& params, RestSurface& s) {
   s.pinned.assign(s.points.size(), 0);
   s.pinned_turns.assign(s.points.size(), 0);
+  s.pin_of.assign(s.points.size(), -1);
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
     bool holds_any = false;
     for (std::size_t i = 0; i < s.points.size(); ++i) {
       if (!params.pins[p].region.contains(s.points[i])) continue;
       s.pinned[i] = 1;
+      if (s.pin_of[i] < 0) s.pin_of[i] = static_cast<Index>(p);
       if (params.pins[p].orientation) s.pinned_turns[i] = 1;
       holds_any = true;
     }

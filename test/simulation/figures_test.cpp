@@ -263,8 +263,10 @@ simulation::Dynamics makeTrueShirt(const SceneParams& scene, const cloud::PointC
   for (Index i = 0; i < n; ++i) {
     s.area += s.rings.area[i];
     s.dense_index.push_back(i);
-    s.pinned.push_back(0);
-    for (const simulation::PinParams& pin : scene.pins) s.pinned[i] |= pin.region.contains(x[i]);
+    const auto holds = [&](const simulation::PinParams& pin) { return pin.region.contains(x[i]); };
+    const auto pin = std::find_if(scene.pins.begin(), scene.pins.end(), holds);
+    s.pinned.push_back(pin != scene.pins.end());
+    s.pin_of.push_back(s.pinned[i] ? static_cast<Index>(pin - scene.pins.begin()) : -1);
   }
   s.pinned_turns.assign(n, 0);
   s.model = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, false, scene.material, scene.mass_spring);

@@ -234,6 +234,47 @@ TEST(SettleParticles, PinnedNeighborsSettleWithTheOthersAndAreHeldThere) {
   }
 }
 
+// A clamp with a path carries those that were in its region where the cloud was, also where others are in it at rest, and the
+// strip bends as far as from a fixed one.
+TEST(SettleParticles, AClampThatMovesHoldsTheSameParticlesAndBendsTheStripAsAFixedOne) {
+  constexpr int kSteps = 10;  // the clamp pushes the strip along its length: in one step it would buckle
+  Index strayed = 0;
+  for (const unsigned seed : {0u, 1u, 2u}) {
+    simulation::SceneParams p = clampedStrip(100, 0.3, seed, 0.05);
+    const cloud::PointCloud cloud = io::makeShape(p.cloud);
+    simulation::Simulation fixed(p, cloud);
+    const Vec3 motion(0.03, -0.01, 0.02);
+    const Vec4 upright(0.0, 0.0, 0.0, 1.0);
+    p.pins[0].path = {{0.0, Vec3::Zero(), upright}, {kSteps * p.integrator.time_step, motion, upright}};
+    simulation::Simulation moving(p, cloud);
+    const Points rest = moving.state().positions;
+    EXPECT_EQ(fixed.state().positions, rest);
+    EXPECT_EQ(fixed.pinned(), moving.pinned());
+    fixed.step();
+    for (int k = 0; k < kSteps; ++k) moving.step();
+    Index pinned = 0;
+    double farthest = 0.0, deflection = 0.0;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const Vec3 moved_back = moving.state().positions[i] - motion;
+      if (moving.pinned()[i]) {
+        EXPECT_LT((moved_back - rest[i]).norm(), 1e-12) << i;
+        ++pinned;
+      }
+      strayed += (moving.pinned()[i] != 0) != p.pins[0].region.contains(rest[i]);
+      farthest = std::max(farthest, (moved_back - fixed.state().positions[i]).norm());
+      deflection = std::max(deflection, (moved_back - rest[i]).norm());
+    }
+    EXPECT_GT(deflection, 0.01);
+    EXPECT_LT(farthest, 0.01 * deflection) << seed;
+    // All held particles count in the reaction of their pin.
+    for (const simulation::Simulation* s : {&fixed, &moving}) {
+      ASSERT_EQ(s->pinReactions().size(), 1u);
+      EXPECT_EQ(s->pinReactions()[0].points, pinned);
+    }
+  }
+  EXPECT_GT(strayed, 0);
+}
+
 TEST(SettleParticles, DoesNotDependOnTheNumberOfThreads) {
   const simulation::SceneParams p = unloaded(model::RestShape::kAuto, 0.05);
   setNumThreads(1);

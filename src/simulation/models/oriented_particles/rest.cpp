@@ -117,11 +117,8 @@ void takePlaces(const model::State& state, model::OrientedParticles& model, Rest
 struct Settling {
   std::vector<char> held, held_turns;
 };
-// Pins with a path look for their particles again where these are at rest: they hold as well.
-Settling releasePinnedNeighbors(const SceneParams& params, double reach, const RestSurface& s) {
+Settling releasePinnedNeighbors(double reach, const RestSurface& s) {
   Settling settling{s.pinned, s.pinned_turns};
-  for (const PinParams& pin : params.pins)
-    if (!pin.path.empty()) return settling;
   const cloud::KdTree tree(s.points);
   std::vector<cloud::Neighbor> near;
   for (std::size_t i = 0; i < s.points.size(); ++i) {
@@ -136,7 +133,7 @@ Settling releasePinnedNeighbors(const SceneParams& params, double reach, const R
 }
 
 // Brings the particles to rest where the cloud is, and takes that as the rest shape. What is at rest stays as it is, bit for bit.
-void takeCloudAsRest(const SceneParams& params, model::OrientedParticles& model, RestSurface& s) {
+void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   const double spacing = model.lattice().spacing;
   model::OrientedParticles attraction = model;
   attraction.leaveOnlyAttraction();
@@ -144,7 +141,7 @@ void takeCloudAsRest(const SceneParams& params, model::OrientedParticles& model,
   state.positions = s.points;
   model.beginAtRest(state);
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !s.creased[i];
-  const Settling settling = releasePinnedNeighbors(params, model.lattice().pair.cutoff, s);
+  const Settling settling = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
   const Settled settled = settleParticles(s.dense, attraction, settling.held, settling.held_turns, model, state);
   if (!(settled.largest > 0.0)) return;
   takePlaces(state, model, s);
@@ -160,8 +157,7 @@ void takeCloudAsRest(const SceneParams& params, model::OrientedParticles& model,
 // A flat lattice is the rest shape. Where two particles are so near that their repulsion holds more energy than a bond, the cloud
 // would fly apart at once: phi(d) > 0 below d = r0 (m/n)^(1/(n-m)), with the letters of the potential. Particles then slide over
 // the surface until they are even. Other clouds stay as they are, bit for bit.
-void partCrushed(const SceneParams& params, model::OrientedParticles& model, RestSurface& s) {
-  const Vec2& exponents = params.oriented_particles.exponents;
+void partCrushed(const Vec2& exponents, model::OrientedParticles& model, RestSurface& s) {
   const double least = model.lattice().pair.distance * std::pow(exponents[1] / exponents[0], 1.0 / (exponents[0] - exponents[1]));
   const Lists nearest = cloud::nearestNeighbors(s.points, 1);
   const auto isCrushed = [&](Index i) {
@@ -175,7 +171,7 @@ void partCrushed(const SceneParams& params, model::OrientedParticles& model, Res
   model::State state;
   state.positions = s.points;
   model.beginAtRest(state);
-  const Settling settling = releasePinnedNeighbors(params, model.lattice().pair.cutoff, s);
+  const Settling settling = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
   if (!slideParticles(s.dense, attraction, settling.held, settling.held_turns, state)) return;
   model.keepLayers(state);
   const Settled moves = measureMoves(s.points, state.positions);
@@ -231,9 +227,9 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   }
   if (params.oriented_particles.grow_surface) return;
   if (params.oriented_particles.restsAsCloud())
-    takeCloudAsRest(params, model, s);
+    takeCloudAsRest(model, s);
   else if (params.oriented_particles.mode == model::ParticleMode::kSpace)
-    partCrushed(params, model, s);
+    partCrushed(params.oriented_particles.exponents, model, s);
 }
 
 // Makes these dense points simulation points.
