@@ -4,7 +4,7 @@
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -15,18 +15,25 @@ constexpr Index kLook = 1024;  // points between two checks for an interrupt
 constexpr int kMaxPatch = 127;
 
 constexpr double kCatchUp = 2.0;    // times the largest speed of the path
-constexpr double kRounding = 1e-9;  // of the coordinates: points that are nearer to the path are on it
+constexpr double kRounding = 1e-9;  // of the coordinates
 
-// m/s, of a place that a path carries (m, in its frame). Infinite where the path rests: its pose is reached at once.
-double findLargestSpeed(const std::vector<tool::WaypointParams>& path, const Vec3& place) {
-  const auto find = [&](const tool::WaypointParams& w) {
-    const tool::Pose pose = tool::interpolate(path, w.time);
-    return (pose.position + pose.orientation * place).eval();
-  };
-  double largest = 0.0;
-  for (std::size_t w = 1; w < path.size(); ++w)
-    largest = std::max(largest, (find(path[w]) - find(path[w - 1])).norm() / (path[w].time - path[w - 1].time));
-  return largest > 0.0 ? largest : std::numeric_limits<double>::infinity();
+// The largest speeds of a path, m/s and rad/s.
+struct Fastest {
+  double linear = 0.0, angular = 0.0;
+};
+Fastest findFastest(const std::vector<tool::WaypointParams>& path) {
+  Fastest fastest;
+  for (const tool::WaypointParams& w : path) {
+    const tool::Motion motion = tool::findMotion(path, w.time);
+    fastest.linear = std::max(fastest.linear, motion.velocity.norm());
+    fastest.angular = std::max(fastest.angular, motion.angular_velocity.norm());
+  }
+  return fastest;
+}
+
+bool areEqual(const tool::Pose& a, const tool::Pose& b) {
+  return (a.position - b.position).norm() <= kRounding * (a.position.norm() + b.position.norm()) &&
+         1.0 - std::abs(a.orientation.dot(b.orientation)) <= kRounding;
 }
 
 void release(Grips::Grip& grip) {
@@ -196,22 +203,26 @@ void Grips::addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>
   std::stable_sort(edges.begin(), edges.end(), isBefore);
 }
 
-void Grips::carry(double time, double step, bool at_once, model::State& state, std::vector<char>& held) const {
-  for (const Grip& grip : grips_) {
-    const tool::Pose pose = tool::interpolate(grip.tool.path, time + step), before = tool::interpolate(grip.tool.path, time);
+void Grips::carry(double time, double step, bool at_once, model::State& state, std::vector<char>& held) {
+  for (Grip& grip : grips_) {
+    const tool::Pose before = tool::interpolate(grip.tool.path, time), pose = tool::interpolate(grip.tool.path, time + step);
+    // Where the path does not go on from the last step, it has been given anew.
+    const bool goes_on = grip.carried_to && areEqual(*grip.carried_to, before);
+    std::optional<Fastest> fastest;
     for (std::size_t k = 0; k < grip.points.size(); ++k) {
       const Index i = grip.points[k];
       const Vec3 &place = grip.places[k], there = pose.position + pose.orientation * place;
       held[i] = 1;
       Vec3& velocity = state.velocities[i];
       velocity = (there - state.positions[i]) / step;
-      if (at_once) continue;
+      if (at_once || !goes_on) continue;
       const Vec3 here = before.position + before.orientation * place;
       if ((state.positions[i] - here).norm() <= kRounding * here.norm()) continue;
-      const double most = std::max(kCatchUp * findLargestSpeed(grip.tool.path, place), (there - here).norm() / step);
-      const double speed = velocity.norm();
-      if (speed > most) velocity *= most / speed;
+      if (!fastest) fastest = findFastest(grip.tool.path);
+      const double most = kCatchUp * (fastest->linear + fastest->angular * place.norm()), speed = velocity.norm();
+      if (most > 0.0 && speed > most) velocity *= most / speed;
     }
+    grip.carried_to = pose;
   }
 }
 

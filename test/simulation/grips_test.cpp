@@ -51,19 +51,74 @@ TEST(Grips, WhatWasHeldBackCatchesUpAtTwiceTheFastestSpeedOfItsPath) {
   simulation::Grips grips;
   grips.addPin("pins[0]", {at(0.0, 0.0), at(1.0, 1.0)}, 0.0, {0}, state);
   std::vector<char> held(1);
-  const auto findSpeed = [&](double time, double x, bool at_once) {
+  const auto findSpeed = [&](double time, double x, bool at_once = false) {
     state.positions[0].x() = x;
     grips.carry(time, 0.1, at_once, state, held);
     return state.velocities[0].x();
   };
-  EXPECT_NEAR(findSpeed(0.5, 0.5, false), 1.0, 1e-12);   // on its path
-  EXPECT_NEAR(findSpeed(0.5, 0.45, false), 1.5, 1e-12);  // the rest of the way is shorter than a step
-  EXPECT_NEAR(findSpeed(0.5, -0.5, false), 2.0, 1e-12);
-  EXPECT_NEAR(findSpeed(3.0, 0.0, false), 2.0, 1e-12) << "after the end of the path";
-  EXPECT_NEAR(findSpeed(3.0, 0.9, false), 1.0, 1e-12);
-  EXPECT_NEAR(findSpeed(0.5, -0.5, true), 11.0, 1e-12);
-  grips.movePin("pins[0]", {at(0.0, 5.0)});
-  EXPECT_NEAR(findSpeed(0.0, 0.0, false), 50.0, 1e-12) << "a pose is reached at once";
+  EXPECT_NEAR(findSpeed(0.4, 0.0), 5.0, 1e-12) << "in the first step there is nothing to catch up";
+  EXPECT_NEAR(findSpeed(0.5, 0.5), 1.0, 1e-12) << "on its path";
+  EXPECT_NEAR(findSpeed(0.6, 0.55), 1.5, 1e-12) << "the rest of the way is shorter than a step";
+  EXPECT_NEAR(findSpeed(0.7, -0.5), 2.0, 1e-12);
+  EXPECT_NEAR(findSpeed(0.8, -0.5, true), 14.0, 1e-12);
+  EXPECT_NEAR(findSpeed(0.9, 0.0), 2.0, 1e-12);
+  EXPECT_NEAR(findSpeed(1.0, 0.0), 2.0, 1e-12) << "after the end of the path";
+  grips.movePin("pins[0]", {at(1.1, 5.0), at(2.1, 5.1)});
+  EXPECT_NEAR(findSpeed(1.1, 1.0), 40.1, 1e-12) << "a new path that begins elsewhere";
+  EXPECT_NEAR(findSpeed(1.2, 4.5), 0.2, 1e-12) << "held back on the way to it";
+  grips.movePin("pins[0]", {at(0.0, 5.02)});
+  EXPECT_NEAR(findSpeed(1.3, 4.5), 5.2, 1e-12) << "a pose that rests";
+}
+
+// Half a turn about a place 1 m away, in one second.
+TEST(Grips, TheFastestSpeedOfAPathIsAlongItsArc) {
+  model::State state;
+  state.positions = {Vec3(1.0, 0.0, 0.0)};
+  state.velocities = {Vec3::Zero()};
+  simulation::Grips grips;
+  grips.addPin("pins[0]", {{0.0, Vec3::Zero(), Vec4(0.0, 0.0, 0.0, 1.0)}, {1.0, Vec3::Zero(), Vec4(0.0, 0.0, 1.0, 0.0)}}, 0.0,
+               {0}, state);
+  std::vector<char> held(1);
+  for (const double time : {1.0, 1.1}) grips.carry(time, 0.1, false, state, held);
+  EXPECT_NEAR(state.velocities[0].norm(), 2.0 * kPi, 1e-6);
+}
+
+// The edge of a sheet is pinned and goes down through another sheet, which stops it, and up again.
+TEST(Grips, APinThatContactHasHeldBackComesFreeAndArrives) {
+  simulation::SceneParams p;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.material.thickness = 0.002;
+  p.material.density = 125.0;
+  p.material.young_modulus = 5e4;
+  p.contact.self = true;
+  p.gravity.setZero();
+  p.integrator.time_step = 0.005;
+  p.accuracy.estimate = false;
+  cloud::PointCloud cloud;
+  for (const double height : {0.0, 0.1})
+    for (int i = 0; i < 9; ++i)
+      for (int j = 0; j < 9; ++j) cloud.positions.emplace_back(0.02 * i, 0.02 * j, height);
+  cloud.width = cloud.size();
+  simulation::PinParams below, above;
+  below.region.min = Vec3(-1.0, -1.0, -1.0);
+  below.region.max = Vec3(1.0, 1.0, 0.05);
+  above.region.min = Vec3(-1.0, -1.0, 0.05);
+  above.region.max = Vec3(0.01, 1.0, 1.0);
+  const Vec4 upright(0.0, 0.0, 0.0, 1.0);
+  above.path = {{0.0, Vec3::Zero(), upright}, {0.3, Vec3(0.05, 0.0, -0.3), upright}, {0.6, Vec3::Zero(), upright}};
+  p.pins = {below, above};
+  simulation::Simulation s(p, cloud);
+  double fastest = 0.0, lowest = 1.0;
+  for (int step = 0; step < 160; ++step) {
+    ASSERT_TRUE(s.step().ok);
+    for (Index i = 81; i < 90; ++i) {
+      fastest = std::max(fastest, s.state().velocities[i].norm());
+      lowest = std::min(lowest, s.state().positions[i].z());
+    }
+  }
+  EXPECT_GT(lowest, 0.0);  // the path goes down to -0.2 m
+  EXPECT_LT(fastest, 2.1 * above.path[1].position.norm() / 0.3);
+  for (Index i = 81; i < 90; ++i) EXPECT_LT((s.state().positions[i] - cloud.positions[i]).norm(), 1e-9);
 }
 
 TEST(Grips, EveryMethodCarriesAlike) {

@@ -7,6 +7,8 @@
 
 #include "deformable_surface/model/deformable_model.h"
 
+#include <optional>
+
 namespace deformable_surface::simulation {
 
 /// Gripped points are held (see solve::System) and move with the tool: in every step straight from their place to their place
@@ -18,10 +20,11 @@ class Grips {
   struct Grip {
     tool::ToolParams tool;
     bool has_begun = false;
-    std::vector<Index> points;            // ascending
-    Points places;                        // m, in the tool's frame
-    std::vector<model::ClampEdge> edges;  // of a tool: where it clamps, ascending
-    bool is_pin = false;                  // a moving pin; only id and path of its tool are used; it never releases by itself
+    std::vector<Index> points;             // ascending
+    Points places;                         // m, in the tool's frame
+    std::vector<model::ClampEdge> edges;   // of a tool: where it clamps, ascending
+    std::optional<tool::Pose> carried_to;  // at the end of the last step
+    bool is_pin = false;                   // a moving pin; only id and path of its tool are used; it never releases by itself
   };
 
   /// Takes the tools of mode move. A grip whose tool is unchanged, except for its path, keeps its points.
@@ -60,9 +63,10 @@ class Grips {
              const model::State& state);
   /// Marks the points of each grip as a patch of their own, and adds its edges, ascending (see model::Clamping).
   void addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>& edges) const;
-  /// Marks the gripped points in held, and gives them the velocity that takes them to their places within the step. What contact
-  /// has held back catches up at most twice as fast as its path is at its fastest, unless at_once.
-  void carry(double time, double step, bool at_once, model::State& state, std::vector<char>& held) const;
+  /// Marks the gripped points in held, and gives them the velocity that takes them to their places within the step. Those that
+  /// contact has held back catch up at most twice as fast as the path is at its fastest, unless at_once. Places on a new path,
+  /// and on one that rests, are reached at once.
+  void carry(double time, double step, bool at_once, model::State& state, std::vector<char>& held);
   /// The indices of points have changed: new_index (of the former points), -1 = removed.
   void renumber(const std::vector<Index>& new_index);
 
