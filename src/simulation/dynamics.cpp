@@ -23,18 +23,6 @@ Index nearestPoint(const Points& points, const Vec3& to) {
   return nearest;
 }
 
-// m, between parts of the surface. Throws InputError where everything would push everything.
-double findContactThickness(const SceneParams& params, const Points& rest) {
-  const OrAuto<double>& wanted = params.contact.thickness;
-  const double thickness = wanted.valueOr(params.material.thickness);
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : rest) box.extend(p);
-  const double extent = box.sizes().maxCoeff();
-  if (thickness < extent) return thickness;
-  throw InputError("contact.thickness: found " + formatShort(thickness) + " m" + (wanted.is_auto ? " (material.thickness)" : "") +
-                   "; accepted: below " + formatShort(extent) + " m, the largest extent of the surface");
-}
-
 double findSpacing(const RestSurface& rest) { return std::sqrt(rest.area / static_cast<double>(rest.points.size())); }
 
 }  // namespace
@@ -53,7 +41,7 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
   if (params.contact.self) {
     contact::SelfContactParams meeting;
-    meeting.thickness = findContactThickness(params, rest_->points);
+    meeting.thickness = params.contact.thickness.valueOr(params.material.thickness);
     meeting.friction = params.contact.friction;
     meeting.kinetic_friction = params.contact.kinetic_friction.valueOr(params.contact.friction);
     if (!made.meeting)

@@ -15,7 +15,8 @@ struct Edge {
   std::size_t triangle;
 };
 
-// Drops the triangles at the longer of two edges that cross within the surface.
+// Drops the triangles at the longer of two edges that cross within the surface, triangles that hold a point of others, and of two
+// neighbours that pass through each other the larger.
 void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles) {
   std::vector<Edge> edges;
   std::vector<contact::Box> boxes, triangle_boxes;
@@ -54,7 +55,8 @@ void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles)
       const double squared = contact::findClosestToTriangle(rest[p], rest[t[0]], rest[t[1]], rest[t[2]]).squaredDistance();
       if (squared < kOverlap * kOverlap * (rest[t[1]] - rest[t[0]]).squaredNorm()) is_dropped[f] = 1;
     });
-  // On rough surfaces overlapping triangles pass through each other. Where they share a vertex, it is no other layer.
+  // On rough surfaces overlapping triangles pass through each other. Only those with a common vertex: others may be two layers,
+  // which keep their contact.
   const auto size = [&](const contact::Triangle& t) {
     return (rest[t[1]] - rest[t[0]]).norm() + (rest[t[2]] - rest[t[1]]).norm() + (rest[t[0]] - rest[t[2]]).norm();
   };

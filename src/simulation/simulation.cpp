@@ -20,6 +20,20 @@ bool isOne(const Command& command) {
   return (std::holds_alternative<Kinds>(command) || ...);
 }
 
+// Lengths in millimetres for metres, for example.
+void checkContactThickness(const SceneParams& params, const Points& rest) {
+  if (!params.contact.self) return;
+  const OrAuto<double>& wanted = params.contact.thickness;
+  const double thickness = wanted.valueOr(params.material.thickness);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : rest) box.extend(p);
+  const double extent = box.sizes().maxCoeff();
+  if (thickness >= extent)
+    throw InputError("contact.thickness: found " + formatShort(thickness) + " m" +
+                     (wanted.is_auto ? " (material.thickness)" : "") + "; accepted: below " + formatShort(extent) +
+                     " m, the largest extent of the surface");
+}
+
 }  // namespace
 
 Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface&& rest, AccuracyChoice&& chosen)
@@ -29,6 +43,7 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
       notes(params.notices),
       scene_hash(identify(dynamics().rest(), params)),
       choice(std::move(chosen)) {
+  checkContactThickness(params, dynamics().rest().points);
   const std::vector<std::string>& built = dynamics().rest().notes;
   notes.insert(notes.end(), built.begin(), built.end());
   warnings = dynamics().rest().warnings;

@@ -84,6 +84,12 @@ TEST(SelfContactLoad, OfTrianglesThatPassThroughTheirNeighboursTheLargerHasNoCon
   const std::vector<contact::Triangle> chosen = simulation::chooseContactTriangles(rest, triangles);
   ASSERT_EQ(chosen.size(), 1u);
   EXPECT_EQ(chosen[0], (contact::Triangle{0, 3, 4}));
+  // The edge is that of the larger triangle.
+  const Points long_edge = {rest[0], rest[1], rest[2], Vec3(1.7, 1.7, 1.5), Vec3(-1.1, -1.1, -1.5)};
+  EXPECT_EQ(simulation::chooseContactTriangles(long_edge, triangles), (std::vector<contact::Triangle>{{0, 1, 2}}));
+  // Without a common vertex they may be two layers.
+  const Points apart = {rest[0], rest[1], rest[2], rest[3], rest[4], Vec3(0.5, 0.2, 0.5)};
+  EXPECT_EQ(simulation::chooseContactTriangles(apart, {{{0, 1, 2}, 1.0}, {{3, 4, 5}, 1.0}}).size(), 2u);
 }
 
 TEST(SelfContactLoad, AThicknessBeyondTheSurfaceIsRefused) {
