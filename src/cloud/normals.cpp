@@ -28,7 +28,7 @@ constexpr double kFlat = 1e-6;
 constexpr double kThick = 0.03;
 // A link of a neighbourhood's minimum spanning tree that is longer than most (this quantile) by this factor is a gap.
 constexpr double kTreeQuantile = 0.9, kGap = 1.3;
-// Points of a surface have more of their own part than this within that many such links; those of a row have two.
+// A point of a surface has on average at least so many points of its own part within kNear typical links; one of a row has two.
 constexpr std::size_t kOfSurface = 3;
 constexpr double kNear = 1.5;
 constexpr std::size_t kFewestOwn = 6;    // neighbours on this side of a gap, for a plane of their own
@@ -196,7 +196,7 @@ Plane fitPlane(const Points& positions, Index i, const Index* first, const Index
   // The iterative solver: the closed form loses half the digits where a neighbourhood is thin.
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
   if (!covariance.allFinite() || !solver.eigenvectors().allFinite()) {
-    throw InputError("estimateNormals: the neighbourhood of point " + std::to_string(i) +
+    throw InputError("normals: the neighbourhood of point " + std::to_string(i) +
                      " is not finite; only finite points have a normal");
   }
   const Vec3& variance = solver.eigenvalues();
@@ -208,7 +208,7 @@ Plane fitPlane(const Points& positions, Index i, const Index* first, const Index
 // that are much longer than most.
 class OwnPart {
  public:
-  // Nearest in the tree first; empty if that is all of them or a row of points. Valid until the next call.
+  // Nearest in the tree first; empty if that is all of them, none, or a row of points. Valid until the next call.
   const std::vector<Index>& find(const Points& positions, Index i, const Index* first, const Index* last) {
     outside_.clear();
     for (const Index* j = first; j != last; ++j) outside_.push_back({positions[*j], std::numeric_limits<double>::infinity(), *j});

@@ -212,13 +212,14 @@ ScatteredNoise measureNoise(const Points& positions) {
   const KdTree tree(positions);
   ScatteredNoise noise;
   Level before;
-  bool is_exact = false;  // in the smallest windows: what larger ones hold besides a surface are other layers
+  // In the smallest windows. Larger ones then hold more than one layer; a volume sampled in slices counts as layers, too.
+  bool is_clean = false;
   for (const Index count : kNoiseWindows) {
     const Level level = measureLevel(positions, tree, count);
     const double spacing = level.radius * std::sqrt(kPi / count);  // of a lattice with this many points per disk
     if (!(level.radius > 0.0) || count > static_cast<Index>(positions.size())) break;
-    if (count == kNoiseWindows[0]) is_exact = level.deviation <= kClean * spacing;
-    if (count == 64) noise.is_thick = !is_exact && level.deviation >= kThickest * level.radius && level.kurtosis >= kBall;
+    if (count == kNoiseWindows[0]) is_clean = level.deviation <= kClean * spacing;
+    if (count == 64) noise.is_thick = !is_clean && level.deviation >= kThickest * level.radius && level.kurtosis >= kBall;
     noise.spacing = spacing;
     const bool is_plateau = before.radius > 0.0 && level.deviation <= kPlateau * before.deviation;
     if (is_plateau && level.deviation <= kThinnest * level.radius && level.kurtosis >= kLayers) {

@@ -49,7 +49,7 @@ class NeighborList {
     apart_ranges_ = std::move(ranges);
     forget();
   }
-  /// m, the distance that a particle may move before lists are rebuilt.
+  /// m, the distance that a particle may move relative to the middle of all, or of its group, before lists are rebuilt.
   double margin() const { return 0.5 * skin_; }
   /// The particles have changed: the next update rebuilds the lists.
   void forget() { is_valid_ = false; }
@@ -87,7 +87,7 @@ class NeighborList {
     std::int64_t x, y, z;
   };
 
-  // Of the displacements since the last rebuild, m.
+  // Bounds of displacements since the last rebuild, or of places, m.
   struct Range {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
