@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "own_part.h"
 #include "signed_sets.h"
 #include "spanning_forest.h"
 
@@ -26,11 +27,6 @@ constexpr double kFlat = 1e-6;
 // Ratio of the two smaller variances above which a neighbourhood may hold more than one layer. A sphere whose radius is that of
 // the neighbourhood has 0.1.
 constexpr double kThick = 0.03;
-// A link of a neighbourhood's minimum spanning tree that is longer than most (this quantile) by this factor is a gap.
-constexpr double kTreeQuantile = 0.9, kGap = 1.3;
-// A point of a surface has on average at least so many points of its own part within kNear typical links; one of a row has two.
-constexpr std::size_t kOfSurface = 3;
-constexpr double kNear = 1.5;
 constexpr std::size_t kFewestOwn = 6;    // neighbours on this side of a gap, for a plane of their own
 constexpr double kClearlyFlatter = 0.5;  // of the thickness, that the own part must be
 constexpr double kLine = 0.01;           // ratio of the two larger variances below which points lie on a line
@@ -203,59 +199,6 @@ Plane fitPlane(const Points& positions, Index i, const Index* first, const Index
   return {solver.eigenvectors().col(0).normalized(), variance[1] > 0.0 ? variance[0] / variance[1] : 0.0,
           variance[2] > 0.0 ? variance[1] / variance[2] : 0.0};
 }
-
-// The neighbours of a point that no gap parts from it: its component of their minimum spanning tree without the links
-// that are much longer than most.
-class OwnPart {
- public:
-  // Nearest in the tree first; empty if that is all of them, none, or a row of points. Valid until the next call.
-  const std::vector<Index>& find(const Points& positions, Index i, const Index* first, const Index* last) {
-    outside_.clear();
-    for (const Index* j = first; j != last; ++j) outside_.push_back({positions[*j], std::numeric_limits<double>::infinity(), *j});
-    inside_.clear();
-    links_.clear();
-    Vec3 newest = positions[i];
-    while (!outside_.empty()) {
-      Candidate* next = outside_.data();
-      for (Candidate& c : outside_) {
-        c.squared = std::min(c.squared, (c.position - newest).squaredNorm());
-        if (c.squared < next->squared) next = &c;
-      }
-      newest = next->position;
-      inside_.push_back(next->point);
-      links_.push_back(next->squared);
-      *next = outside_.back();
-      outside_.pop_back();
-    }
-    if (links_.empty()) return inside_;
-    sorted_ = links_;
-    const auto typical = sorted_.begin() + static_cast<std::ptrdiff_t>(kTreeQuantile * (sorted_.size() - 1));
-    std::nth_element(sorted_.begin(), typical, sorted_.end());
-    // The tree grows from the point: what comes before the first long link is its component.
-    const auto gap = std::find_if(links_.begin(), links_.end(), [&](double s) { return s > kGap * kGap * *typical; });
-    inside_.resize(gap == links_.end() ? 0 : gap - links_.begin());
-    if (isCurve(positions, kNear * kNear * *typical)) inside_.clear();
-    return inside_;
-  }
-
- private:
-  // A row of points, straight or bent: each has one neighbour on either side. Rows that lie far apart are one surface.
-  bool isCurve(const Points& positions, double squared_near) const {
-    std::size_t near = 0;
-    for (const Index a : inside_)
-      for (const Index b : inside_) near += a != b && (positions[a] - positions[b]).squaredNorm() < squared_near;
-    return near < kOfSurface * inside_.size();
-  }
-
-  struct Candidate {
-    Vec3 position;
-    double squared;  // m^2, distance to the tree
-    Index point;
-  };
-  std::vector<Candidate> outside_;
-  std::vector<Index> inside_;
-  std::vector<double> links_, sorted_;  // m^2, with which those inside joined the tree
-};
 
 }  // namespace
 

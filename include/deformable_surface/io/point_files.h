@@ -1,5 +1,5 @@
-// Reads and writes point files: PCD and PLY (read through PCL) and plain text. No other core file uses PCL, whose build
-// time and alignment rules thus stay here.
+// Reads and writes point files: PCD and PLY (read through PCL) and plain text. Within the core only this room uses PCL: its build
+// time and alignment rules stay here.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
