@@ -39,7 +39,7 @@ struct Simulation::Impl {
   EstimatedDynamics run;
   DeformedSurface surface;
   std::vector<std::string> notes;
-  std::vector<std::string> warnings;  // those of the rest surface and of its growth
+  std::vector<std::string> warnings;  // those of the rest surface, of its contact and of its growth
   std::uint64_t scene_hash;           // of the given scene
 
   // A trial has shown that the membrane may be softer than stated, or which integrator to take. It is valid until a command

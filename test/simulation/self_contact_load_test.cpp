@@ -92,6 +92,15 @@ TEST(SelfContactLoad, OfTrianglesThatPassThroughTheirNeighboursTheLargerHasNoCon
   EXPECT_EQ(simulation::chooseContactTriangles(apart, {{{0, 1, 2}, 1.0}, {{3, 4, 5}, 1.0}}).size(), 2u);
 }
 
+TEST(SelfContactLoad, AThicknessOfSpacingsIsWarnedOf) {
+  ContactScene scene = makeScene("drop", 1, 0.1);
+  EXPECT_TRUE(Simulation(scene.params, scene.cloud).buildWarnings().empty());
+  scene.params.contact.thickness = 0.08;
+  const std::vector<std::string> warnings = Simulation(scene.params, scene.cloud).buildWarnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("contact.thickness is "), std::string::npos) << warnings[0];
+}
+
 TEST(SelfContactLoad, AThicknessBeyondTheSurfaceIsRefused) {
   ContactScene scene = makeScene("drop", 1, 0.1);
   scene.params.contact.thickness = 10.0;
