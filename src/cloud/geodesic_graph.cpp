@@ -105,6 +105,10 @@ GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& si
                      std::to_string(sides.normals.size()) + " normals and " + std::to_string(n) +
                      " neighbour lists; the three numbers must be equal, or there must be no normals");
   }
+  if (!sides.at_creases.empty() && sides.at_creases.size() != sides.normals.size()) {
+    throw InputError("buildGeodesicGraph: " + std::to_string(sides.at_creases.size()) + " normals at creases and " +
+                     std::to_string(sides.normals.size()) + " normals; there must be as many, or none at creases");
+  }
   if (!geodesic_exponent.is_auto && !(geodesic_exponent.value >= 1.0)) {
     throw InputError("buildGeodesicGraph: geodesic_exponent is " + std::to_string(geodesic_exponent.value) +
                      "; it must be at least 1");

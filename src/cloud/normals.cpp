@@ -30,6 +30,12 @@ constexpr double kThick = 0.03;
 constexpr std::size_t kFewestOwn = 6;    // neighbours on this side of a gap, for a plane of their own
 constexpr double kClearlyFlatter = 0.5;  // of the thickness, that the own part must be
 constexpr double kLine = 0.01;           // ratio of the two larger variances below which points lie on a line
+// Beside a crease a window on one side of it is flat: one of the nearest points, or that of a neighbour on whose plane the point
+// lies.
+constexpr Index kFew = 12;             // points of a small window
+constexpr double kFlatWindow = 0.01;   // thickness of a flat window, at most,
+constexpr double kMuchFlatter = 0.25;  // and of that of what it replaces
+constexpr double kOnPlane = 0.15;      // sine of the line from the neighbour to the point with its plane, at most
 
 void checkSizes(const char* function, const Points& positions, const Lists& neighbors) {
   if (neighbors.size() == static_cast<Index>(positions.size())) return;
@@ -200,6 +206,16 @@ Plane fitPlane(const Points& positions, Index i, const Index* first, const Index
           variance[2] > 0.0 ? variance[1] / variance[2] : 0.0};
 }
 
+// Replaces the plane of a thick neighbourhood by that of the points that no gap parts from point i, if this is clearly flatter.
+bool fitOwnPlane(const Points& positions, Index i, const Index* first, const Index* last, OwnPart& part, Plane& plane) {
+  const std::vector<Index>& own = part.find(positions, i, first, last);
+  if (own.size() < kFewestOwn) return false;
+  const Plane of_own = fitPlane(positions, i, own.data(), own.data() + own.size());
+  if (!(of_own.width > kLine && of_own.thickness < kClearlyFlatter * plane.thickness)) return false;
+  plane = of_own;
+  return true;
+}
+
 }  // namespace
 
 Points estimateNormals(const Points& positions, const Lists& neighbors) {
@@ -211,22 +227,47 @@ Points estimateNormals(const Points& positions, const Lists& neighbors) {
   return normals;
 }
 
-Points estimateNormalsInSpace(const Points& positions, const Lists& neighbors) {
+NormalsInSpace estimateNormalsInSpace(const Points& positions, const Lists& neighbors) {
   checkSizes("estimateNormalsInSpace", positions, neighbors);
-  Points normals(positions.size());
-  parallelFor(static_cast<Index>(positions.size()), kBlock, [&](Index begin, Index end) {
+  const Index n = static_cast<Index>(positions.size());
+  NormalsInSpace found;
+  found.normals.resize(n);
+  Points near(n);                                      // of the flattest window around each point
+  std::vector<float> thickness(n), near_thickness(n);  // of the whole neighbourhood, and of that window
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
     OwnPart part;
     for (Index i = begin; i < end; ++i) {
-      const Plane plane = fitPlane(positions, i, neighbors.begin(i), neighbors.end(i));
-      normals[i] = plane.normal;
-      if (plane.thickness <= kThick) continue;
-      const std::vector<Index>& own = part.find(positions, i, neighbors.begin(i), neighbors.end(i));
-      if (own.size() < kFewestOwn) continue;
-      const Plane of_own = fitPlane(positions, i, own.data(), own.data() + own.size());
-      if (of_own.width > kLine && of_own.thickness < kClearlyFlatter * plane.thickness) normals[i] = of_own.normal;
+      const Index *first = neighbors.begin(i), *last = neighbors.end(i);
+      Plane plane = fitPlane(positions, i, first, last);
+      const bool is_own = plane.thickness > kThick && fitOwnPlane(positions, i, first, last, part, plane);
+      Plane flattest = plane;
+      if (plane.thickness > kThick && !is_own && last - first > kFew) {
+        const Plane of_few = fitPlane(positions, i, first, first + kFew);
+        if (of_few.width > kLine && of_few.thickness < std::min(kFlatWindow, kMuchFlatter * plane.thickness)) flattest = of_few;
+      }
+      found.normals[i] = plane.normal;
+      thickness[i] = static_cast<float>(plane.thickness);
+      near[i] = flattest.normal;
+      near_thickness[i] = static_cast<float>(flattest.thickness);
     }
   });
-  return normals;
+  if (std::none_of(thickness.begin(), thickness.end(), [](float t) { return t > kThick; })) return found;
+  found.at_creases = near;
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      if (!(thickness[i] > kThick)) continue;
+      double least = std::min(kFlatWindow, kMuchFlatter * near_thickness[i]);
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        if (!(near_thickness[*j] < least)) continue;
+        const Vec3 d = positions[i] - positions[*j];
+        const double height = d.dot(near[*j]);
+        if (height * height > kOnPlane * kOnPlane * d.squaredNorm()) continue;
+        least = near_thickness[*j];
+        found.at_creases[i] = near[*j];
+      }
+    }
+  });
+  return found;
 }
 
 Points fitNormals(const Points& positions, const Lists& neighbors, const Points& normals) {

@@ -25,6 +25,8 @@ constexpr double kOffPlaneScale = 0.35;
 // The same between points whose oriented normals oppose each other: two sides of a body, however thin. More than rounding of
 // normals and positions, so that a wrongly flipped normal on a flat sheet does no harm.
 constexpr double kOppositeScale = 0.05;
+// Squared sine of 10 degrees. A bend by less costs a link no more than a twentieth of its length, and its planes meet far away.
+constexpr double kNoCrease = 0.03;
 // Cosine of 60 degrees. Steeper bends from point to point do not tell which way unoriented normals belong together.
 constexpr double kBendCosine = 0.5;
 
@@ -52,6 +54,35 @@ constexpr double kMaxCoverStretch = 2.0;  // of the squared length
 constexpr Index kAround = 12;
 // Links of a point that are offered to the spanning tree: a hexagon's.
 constexpr Index kTreeLinks = 6;
+
+// d: from one point to another, whose normals are n and m.
+double measureSquaredLength(const Vec3& d, const Vec3& n, const Vec3& m, bool is_oriented) {
+  const double squared = d.squaredNorm();
+  const double along_i = d.dot(n), along_j = d.dot(m);
+  const double cosine = n.dot(m);
+  // The component along the mean normal: zero on any circular arc, for it rises at one end as much as it falls at the other.
+  const auto square = [](double x) { return x * x; };
+  const auto measureSame = [&] { return square(along_i + along_j) / (2.0 + 2.0 * cosine); };
+  const auto measureOpposite = [&] { return square(along_i - along_j) / (2.0 - 2.0 * cosine); };
+  double off_plane, scale = kOffPlaneScale;
+  if (is_oriented && cosine < kFacingCosine && cosine > -kBendCosine && along_i > along_j) {
+    off_plane = measureOpposite();
+  } else if (cosine >= kBendCosine || (is_oriented && cosine > -kBendCosine)) {
+    off_plane = measureSame();
+  } else if (cosine <= -kBendCosine) {
+    off_plane = measureOpposite();
+    if (is_oriented) scale = kOppositeScale;
+  } else {
+    off_plane = std::min(measureSame(), measureOpposite());
+  }
+  // Rounding must not make a component longer than the whole.
+  const double straight = squared + std::min(off_plane, squared) * (1.0 / (scale * scale) - 1.0);
+  const double squared_sine = 1.0 - cosine * cosine;
+  if (squared_sine < kNoCrease || (is_oriented && cosine < kFacingCosine && along_i > along_j)) return straight;
+  // Over a crease: the way to the line in which the tangent planes meet, and on from it.
+  const double way = square(std::abs(along_i) + std::abs(along_j)) + square(d.dot(n.cross(m)));
+  return way < straight * squared_sine ? std::max(squared, way / squared_sine) : straight;
+}
 
 struct Link {
   float squared_length;
@@ -140,27 +171,11 @@ float findQuantile(std::vector<float>& values, double share) {
 
 double measureSquaredLength(const Points& positions, const SurfaceSides& sides, Index i, Index j) {
   const Vec3 d = positions[j] - positions[i];
-  const double squared = d.squaredNorm();
-  if (sides.normals.empty()) return squared;
-  const double along_i = d.dot(sides.normals[i]), along_j = d.dot(sides.normals[j]);
-  const double cosine = sides.normals[i].dot(sides.normals[j]);
-  // The component along the mean normal: zero on any circular arc, for it rises at one end as much as it falls at the other.
-  const auto square = [](double x) { return x * x; };
-  const auto measureSame = [&] { return square(along_i + along_j) / (2.0 + 2.0 * cosine); };
-  const auto measureOpposite = [&] { return square(along_i - along_j) / (2.0 - 2.0 * cosine); };
-  double off_plane, scale = kOffPlaneScale;
-  if (sides.oriented && cosine < kFacingCosine && cosine > -kBendCosine && along_i > along_j) {
-    off_plane = measureOpposite();
-  } else if (cosine >= kBendCosine || (sides.oriented && cosine > -kBendCosine)) {
-    off_plane = measureSame();
-  } else if (cosine <= -kBendCosine) {
-    off_plane = measureOpposite();
-    if (sides.oriented) scale = kOppositeScale;
-  } else {
-    off_plane = std::min(measureSame(), measureOpposite());
-  }
-  // Rounding must not make a component longer than the whole.
-  return squared + std::min(off_plane, squared) * (1.0 / (scale * scale) - 1.0);
+  if (sides.normals.empty()) return d.squaredNorm();
+  const double smooth = measureSquaredLength(d, sides.normals[i], sides.normals[j], sides.oriented);
+  if (sides.at_creases.empty() || (sides.at_creases[i] == sides.normals[i] && sides.at_creases[j] == sides.normals[j]))
+    return smooth;
+  return std::min(smooth, measureSquaredLength(d, sides.at_creases[i], sides.at_creases[j], sides.oriented));
 }
 
 std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {

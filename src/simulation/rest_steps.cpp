@@ -105,7 +105,13 @@ Points findNeighbors(const SceneParams& scene, RestSurface& s) {
   cloud::SurfaceSides sides;
   const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
   sides.oriented = is_given;
-  sides.normals = is_given ? s.dense.normals : cloud::estimateNormalsInSpace(s.dense.positions, s.dense_neighbors);
+  if (is_given) {
+    sides.normals = s.dense.normals;
+  } else {
+    cloud::NormalsInSpace normals = cloud::estimateNormalsInSpace(s.dense.positions, s.dense_neighbors);
+    sides.normals = std::move(normals.normals);
+    sides.at_creases = std::move(normals.at_creases);
+  }
   const Points& positions = s.dense.positions;
   const cloud::GeodesicGraph graph =
       cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesic_exponent, scene.input.min_gap);

@@ -214,6 +214,64 @@ TEST(Geodesics, LeavesOfAFoldedSheetAreToldApartAndItsBendHolds) {
   EXPECT_EQ(components, 1);
 }
 
+// A sheet of 40 x 24 points with one crease (rad), a part of the spacing from a row. The spacing is 1.
+struct Creased {
+  Points positions, normals;
+};
+Creased makeCreased(double angle, double offset, double jitter) {
+  Creased sheet;
+  std::mt19937 random(7);
+  const auto draw = [&] { return jitter * (2.0 * random() / 4294967296.0 - 1.0); };
+  for (Index i = -20; i < 20; ++i)
+    for (Index j = 0; j < 24; ++j) {
+      const double along = i + offset + draw(), across = j + draw();
+      const double turn = along < 0.0 ? 0.0 : angle;
+      sheet.positions.push_back({along * std::cos(turn), across, along * std::sin(turn)});
+      sheet.normals.push_back({-std::sin(turn), 0.0, std::cos(turn)});
+    }
+  return sheet;
+}
+
+// The number of points that the lists connect with the first.
+Index countReached(const Lists& lists) {
+  std::vector<char> is_reached(lists.size());
+  std::vector<Index> open{0};
+  is_reached[0] = 1;
+  Index count = 0;
+  while (!open.empty()) {
+    const Index i = open.back();
+    open.pop_back();
+    ++count;
+    for (const Index* j = lists.begin(i); j != lists.end(i); ++j) {
+      if (is_reached[*j]) continue;
+      is_reached[*j] = 1;
+      open.push_back(*j);
+    }
+  }
+  return count;
+}
+
+TEST(Geodesics, ACreaseDoesNotDivideASheet) {
+  const auto countConnected = [](const Points& positions, const SurfaceSides& sides) {
+    const Lists in_space = nearestNeighbors(positions, kListed);
+    return countReached(
+        keepGeodesicNeighbors(buildGeodesicGraph(positions, sides, in_space, {}), positions, sides, in_space).lists);
+  };
+  for (const double degrees : {40.0, 60.0, 75.0, 80.0, 85.0, 100.0, 120.0, 150.0})
+    for (const double offset : {0.0, 0.2, 0.25, 0.3, 0.5, 0.75})
+      for (const double jitter : {0.0, 0.1}) {
+        const Creased sheet = makeCreased(degrees * kPi / 180.0, offset, jitter);
+        const Index n = static_cast<Index>(sheet.positions.size());
+        NormalsInSpace found = estimateNormalsInSpace(sheet.positions, nearestNeighbors(sheet.positions, kListed));
+        EXPECT_EQ(n, countConnected(sheet.positions, {found.normals, false, found.at_creases}))
+            << degrees << ' ' << offset << ' ' << jitter;
+        // Leaves that face each other more steeply are parts for normals that have sides.
+        if (degrees <= 100.0) {
+          EXPECT_EQ(n, countConnected(sheet.positions, {sheet.normals, true})) << degrees << ' ' << offset << ' ' << jitter;
+        }
+      }
+}
+
 TEST(Geodesics, ListsOfSurfacesWithoutGapsStayAsTheyAre) {
   for (const TestSurface& surface : {makeSheet(40), makeSheet(40, 0.1), makeSphere(2000), makeTorus(80, 32, 0.1), makeDisc(20)}) {
     const Lists links = nearestNeighbors(surface.positions, kListed);

@@ -152,12 +152,31 @@ TEST(EstimateNormalsInSpace, AreThoseOfEachLayer) {
     for (const double jitter : {0.0, 0.15, 0.3}) {
       const Shape shape = makeLayers(gap, jitter, 1);
       const Lists neighbors = nearestNeighbors(shape.positions, 32);
-      for (const Vec3& n : estimateNormalsInSpace(shape.positions, neighbors)) {
+      for (const Vec3& n : estimateNormalsInSpace(shape.positions, neighbors).normals) {
         ASSERT_GT(std::abs(n.z()), jitter > 0.2 && gap < 2.0 ? 0.9 : 0.9999) << gap << ' ' << jitter;
       }
       for (const Vec3& n : estimateNormals(shape.positions, neighbors)) tilted_before = std::min(tilted_before, std::abs(n.z()));
     }
   EXPECT_LT(tilted_before, 0.1);  // 84 degrees
+}
+
+// Two half planes of 10 x 12 points at a right angle; the crease is a quarter of a spacing from a row. At it, the plane of all
+// neighbours is neither.
+TEST(EstimateNormalsInSpace, TellTheSidesOfACrease) {
+  Shape shape;
+  for (Index i = 0; i < 10; ++i)
+    for (Index j = 0; j < 12; ++j) {
+      shape.add(Vec3(-0.25 - i, j, 0.0), Vec3::UnitZ(), true);
+      shape.add(Vec3(0.0, j, 0.75 + i), Vec3::UnitX(), true);
+    }
+  const NormalsInSpace found = estimateNormalsInSpace(shape.positions, nearestNeighbors(shape.positions, 32));
+  ASSERT_EQ(shape.positions.size(), found.at_creases.size());
+  double steepest = 1.0;
+  for (std::size_t i = 0; i < shape.positions.size(); ++i) {
+    EXPECT_GT(std::abs(found.at_creases[i].dot(shape.normals[i])), 0.97) << i;
+    steepest = std::min(steepest, std::abs(found.normals[i].dot(shape.normals[i])));
+  }
+  EXPECT_LT(steepest, 0.9);
 }
 
 // The rings of a tube lie farther apart than their points: each is flatter than the tube, and is no layer.
@@ -173,7 +192,8 @@ TEST(EstimateNormalsInSpace, TakeRowsOfATubeForOneSurface) {
         tube.add(radius * normal + along * ring * Vec3::UnitZ(), normal, ring == 0 || ring == 9);
       }
     const Lists neighbors = nearestNeighbors(tube.positions, 32);
-    const Points expected = estimateNormals(tube.positions, neighbors), found = estimateNormalsInSpace(tube.positions, neighbors);
+    const Points expected = estimateNormals(tube.positions, neighbors),
+                 found = estimateNormalsInSpace(tube.positions, neighbors).normals;
     for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], expected[i]) << along << ' ' << i;
   }
 }
@@ -182,7 +202,7 @@ TEST(EstimateNormalsInSpace, AreThoseOfAllNeighboursOnASurface) {
   Shape shape = makeTorus(40, 14);
   addSphere(shape, 150, Vec3(5.0, 0.0, 0.0), 1.0);
   const Lists neighbors = nearestNeighbors(shape.positions, 32);
-  EXPECT_EQ(estimateNormalsInSpace(shape.positions, neighbors), estimateNormals(shape.positions, neighbors));
+  EXPECT_EQ(estimateNormalsInSpace(shape.positions, neighbors).normals, estimateNormals(shape.positions, neighbors));
 }
 
 TEST(Normals, AreUnitOnCloudsWithoutSurface) {

@@ -12,8 +12,9 @@ namespace deformable_surface::cloud {
 /// Normals that complement the positions. None (empty): the gap between two parts must be wider than the spacing. Normals without
 /// a common side: parallel sheets are separated. Oriented normals: the two sides of a thin body are separated, too.
 struct SurfaceSides {
-  Points normals;         // (n x 3) unit, or empty
-  bool oriented = false;  // their signs count: each points to the same side as its neighbours on the surface
+  Points normals;          // (n x 3) unit, or empty
+  bool oriented = false;   // their signs count: each points to the same side as its neighbours on the surface
+  Points at_creases = {};  // (n x 3) unit, or empty: other normals, those of one side of a crease; the better ones count
 };
 
 /// Paths run along its links; a path is chosen by the least sum of costs.
@@ -22,8 +23,9 @@ struct SurfaceSides {
 ///     its ends: the length that holds the surface together around a point, from the links of the minimum spanning tree and, with
 ///     normals, from how points are surrounded (src/cloud/trust_radii.h). A trusted link costs its length, longer ones ever more.
 ///     Lengths are anisotropic where there are normals, l^2 = t^2 + (m / e)^2 with the component m of the link along the mean
-///     normal of its ends, t across: a step from sheet to sheet is long, a step around a bend or a crease is not. The distance of
-///     two points is the cost of their path (m).
+///     normal of its ends, t across: a step from sheet to sheet is long, a step around a bend is not. Where the tangent planes of
+///     its ends meet, it is at most as long as the way over the line in which they do: a crease. The distance of two points is
+///     the cost of their path (m).
 ///   a number gamma >= 1: cost (l / s)^gamma, with the median length s of the shortest links; the published weight
 ///     |x_i - x_j|^gamma up to a common factor, so that neither units nor small lengths matter. The distance of two points is the
 ///     Euclidean length of their path (m).

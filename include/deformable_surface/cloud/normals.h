@@ -9,9 +9,16 @@ namespace deformable_surface::cloud {
 /// Where the neighbourhood has no plane (collinear, coincident) the normal is some unit vector perpendicular to its line.
 Points estimateNormals(const Points& positions, const Lists& neighbors);
 
-/// The same for lists of neighbours in space, which may hold points of other layers. In a thick neighbourhood only those
-/// neighbours count that no gap parts from the point, if these are flatter.
-Points estimateNormalsInSpace(const Points& positions, const Lists& neighbors);
+/// Unit normals of a surface beside which may be others, and which may have creases. Signs are arbitrary.
+struct NormalsInSpace {
+  Points normals;     // (n x 3)
+  Points at_creases;  // (n x 3) the same, but that of one side where a crease is near; empty: the same everywhere
+};
+
+/// Of least variance for lists of neighbours in space, which may hold points of other layers. In a thick neighbourhood only those
+/// neighbours count that no gap parts from the point, if these are flatter. Where that does not help, the side of a crease is the
+/// plane of the nearest twelve, or of a neighbour on whose plane the point lies, if it is flat.
+NormalsInSpace estimateNormalsInSpace(const Points& positions, const Lists& neighbors);
 
 /// Normals at the points of the quadratic surfaces that fit their neighbours on the same side: those whose normals are less than
 /// 78 degrees and whose lines are at most 44 degrees off. normals: (n x 3) unit, of a common side. Where a point has fewer than
