@@ -230,16 +230,20 @@ void MassSpring::addRowBounds(const State& state, std::vector<double>& stiffness
 }
 
 void MassSpring::computeAreaVectors(const State& state, Points& area_vectors) const {
-  const Index n = triangle_corners_.size();
+  const Index n = triangle_corners_.size(), num_triangles = static_cast<Index>(triangles_.size());
+  triangle_shares_.resize(triangles_.size());
+  parallelFor(num_triangles, kBlock, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) {
+      const WeightedTriangle& t = triangles_[k];
+      const Vec3& origin = state.positions[t.corner[0]];
+      triangle_shares_[k] = t.weight / 6.0 * (state.positions[t.corner[1]] - origin).cross(state.positions[t.corner[2]] - origin);
+    }
+  });
   area_vectors.resize(n);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       Vec3 sum = Vec3::Zero();
-      for (const Index* c = triangle_corners_.begin(i); c != triangle_corners_.end(i); ++c) {
-        const WeightedTriangle& t = triangles_[*c / 3];
-        const Vec3& origin = state.positions[t.corner[0]];
-        sum += t.weight / 6.0 * (state.positions[t.corner[1]] - origin).cross(state.positions[t.corner[2]] - origin);
-      }
+      for (const Index* c = triangle_corners_.begin(i); c != triangle_corners_.end(i); ++c) sum += triangle_shares_[*c / 3];
       area_vectors[i] = sum;
     }
   });

@@ -150,6 +150,7 @@ class MassSpring : public DeformableModel,
   mutable PaddedPoints positions_;
   mutable std::vector<double> springs_across_;
   mutable Points volume_gradient_;
+  mutable Points triangle_shares_;  // m^2, of the area vector of each triangle, the share of each corner
 };
 
 }  // namespace deformable_surface::model
