@@ -10,6 +10,13 @@ namespace {
 
 // Fraction of a pair's thickness: limit() lets parts that move come no nearer.
 constexpr double kLeast = 0.5;
+// A spring that hardens does so from this share of the depth at kLeast on. From this share of the remainder on, where it is some
+// hundred times as strong, it goes on linearly.
+constexpr double kSoft = 0.5, kHardest = 0.98;
+// Of the thickness: the depth from which on a spring that hardens is damped in full. A force that sets in at once has no balance.
+constexpr double kDamped = 0.1;
+// Squared sine of the angle below which edges count as nearly parallel: 12 degrees.
+constexpr double kParallel = 0.04;
 // Fraction of the room of a pair that its points may use in one step: below 1, so that rounding causes no crossing.
 constexpr double kOfRoom = 0.9;
 // Factor on a pair's thickness: parts as near as that may touch soon, at any speed.
@@ -55,7 +62,7 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
   list_.visitNear([&](const Pair& pair, double) {
     const Closest closest = findClosest(pair, positions);
     const double squared = closest.squaredDistance();
-    if (squared < reach * reach) near_.push_back({pair, closest, std::sqrt(squared)});
+    if (squared < reach * reach) near_.push_back({pair, closest, std::sqrt(squared), weigh(pair, positions)});
   });
   measured_at_ = positions;
   measured_reach_ = reach;
@@ -134,6 +141,54 @@ bool SelfContact::staysApart(const Points& before, const Points& after) {
   return std::none_of(all.begin(), all.end(), touches);
 }
 
+// The closest points of nearly parallel edges leap as these turn, and with them the force. Their vertices meet triangles, too. So
+// their share vanishes as they become parallel, with a continuous derivative [Li 2020, sec. 4.5].
+double SelfContact::weigh(const Pair& pair, const Points& positions) const {
+  if (!params_.hardens || !pair.is_edges) return 1.0;
+  const auto& v = pair.vertices;
+  const Vec3 a = positions[v[1]] - positions[v[0]], b = positions[v[3]] - positions[v[2]];
+  const double c = a.cross(b).squaredNorm() / (kParallel * a.squaredNorm() * b.squaredNorm());
+  return c < 1.0 ? c * (2.0 - c) : 1.0;
+}
+
+// Minus the energy times the derivative of the weight. With A = |a|^2, B = |b|^2: c = (1 - (a b)^2 / (A B)) / kParallel.
+void SelfContact::addTurning(const Near& near, const Points& positions, Points& forces) const {
+  if (!(near.weight > 0.0)) return;
+  const auto& v = near.pair.vertices;
+  const Vec3 a = positions[v[1]] - positions[v[0]], b = positions[v[3]] - positions[v[2]];
+  const double squared_a = a.squaredNorm(), squared_b = b.squaredNorm(), product = a.dot(b);
+  const double c = a.cross(b).squaredNorm() / (kParallel * squared_a * squared_b);
+  const double factor =
+      findSpring(near).energy / near.weight * (2.0 - 2.0 * c) * 2.0 * product / (kParallel * squared_a * squared_b);
+  const Vec3 on_a = factor * (b - product / squared_a * a), on_b = factor * (a - product / squared_b * b);
+  forces[v[1]] += on_a;
+  forces[v[0]] -= on_a;
+  forces[v[3]] += on_b;
+  forces[v[2]] -= on_b;
+}
+
+double SelfContact::findDamping(const Near& near) const {
+  if (!params_.hardens) return params_.damping;
+  return params_.damping * near.weight * std::min(1.0, (near.pair.thickness - near.distance) / (kDamped * near.pair.thickness));
+}
+
+// Linear; where it hardens plus the barrier -y^2 ln(1 - y) [Li 2020, eq. 6], here of the share y of the depth beyond a soft part.
+SelfContact::Spring SelfContact::findSpring(const Near& near) const {
+  const double depth = near.pair.thickness - near.distance;
+  if (!(depth > 0.0)) return {0.0, 0.0, 0.0};
+  const double k = near.weight * stiffness(near.pair);
+  Spring spring{0.5 * k * depth * depth, k * depth, k};
+  const double deepest = (1.0 - kLeast) * near.pair.thickness, soft = kSoft * deepest, hard = deepest - soft;
+  if (!params_.hardens || depth <= soft) return spring;
+  const double y = (depth - soft) / hard, x = std::min(y, kHardest), over = y - x, rest = 1.0 - x, log = std::log(rest);
+  const double slope = -2.0 * log + 4.0 * x / rest + x * x / (rest * rest), force = -2.0 * x * log + x * x / rest;
+  const double scale = k * deepest * deepest;
+  spring.energy += scale * (-x * x * log + over * (force + 0.5 * over * slope));
+  spring.force += scale / hard * (force + over * slope);
+  spring.stiffness += scale / (hard * hard) * slope;
+  return spring;
+}
+
 double SelfContact::stiffness(const Pair& pair) const {
   double least = masses_[pair.vertices[0]];
   for (const Index v : pair.vertices) least = std::min(least, masses_[v]);
@@ -142,11 +197,11 @@ double SelfContact::stiffness(const Pair& pair) const {
 
 void SelfContact::addForces(const Points& positions, Points& forces) {
   for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
     const Pair& pair = near.pair;
-    const double depth = pair.thickness - near.distance;
-    if (!(depth > 0.0) || !(near.distance > 0.0)) continue;
-    const Vec3 force = stiffness(pair) * depth / near.distance * near.closest.gap;
+    const Vec3 force = findSpring(near).force / near.distance * near.closest.gap;
     for (int v = 0; v < 4; ++v) forces[pair.vertices[v]] += near.closest.weight[v] * force;
+    if (near.weight < 1.0) addTurning(near, positions, forces);
   }
 }
 
@@ -157,28 +212,24 @@ void SelfContact::addDampingForces(const Points& positions, const Points& veloci
     const Vec3 normal = near.closest.gap / near.distance;
     double speed = 0.0;
     for (int v = 0; v < 4; ++v) speed += near.closest.weight[v] * normal.dot(velocities[pair.vertices[v]]);
-    const Vec3 force = -2.0 * params_.damping * stiffness(pair) / params_.rate * speed * normal;
+    const Vec3 force = -2.0 * findDamping(near) * stiffness(pair) / params_.rate * speed * normal;
     for (int v = 0; v < 4; ++v) forces[pair.vertices[v]] += near.closest.weight[v] * force;
   }
 }
 
 double SelfContact::potential(const Points& positions) {
   double sum = 0.0;
-  for (const Near& near : measure(positions, 0.0)) {
-    const Pair& pair = near.pair;
-    const double depth = pair.thickness - near.distance;
-    if (depth > 0.0) sum += 0.5 * stiffness(pair) * depth * depth;
-  }
+  for (const Near& near : measure(positions, 0.0)) sum += findSpring(near).energy;
   return sum;
 }
 
 void SelfContact::addStiffness(const Points& positions, double step, BlockSparse& stiffness_matrix) {
-  const double damping = step > 0.0 ? 2.0 * params_.damping / (params_.rate * step) : 0.0;
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
-    const Pair& pair = near.pair;
+    const double damping = step > 0.0 ? 2.0 * findDamping(near) / (params_.rate * step) : 0.0;
     const Vec3 normal = near.closest.gap / near.distance;
-    addToMatrix(near, (1.0 + damping) * stiffness(pair) * normal * normal.transpose(), stiffness_matrix);
+    const double along = findSpring(near).stiffness + damping * stiffness(near.pair);
+    addToMatrix(near, along * normal * normal.transpose(), stiffness_matrix);
   }
 }
 
@@ -188,16 +239,16 @@ void SelfContact::addRowBounds(const Points& positions, std::vector<double>& sti
     if (!(near.distance < pair.thickness)) continue;
     // The absolute weights sum to two.
     for (int v = 0; v < 4; ++v) {
-      const double share = 2.0 * std::abs(near.closest.weight[v]) * stiffness(pair);
-      stiffness_bounds[pair.vertices[v]] += share;
-      damping[pair.vertices[v]] += 2.0 * params_.damping / params_.rate * share;
+      const double twice = 2.0 * std::abs(near.closest.weight[v]);
+      stiffness_bounds[pair.vertices[v]] += twice * findSpring(near).stiffness;
+      damping[pair.vertices[v]] += 2.0 * params_.damping / params_.rate * twice * stiffness(pair);
     }
   }
 }
 
 SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const {
   const Pair& pair = near.pair;
-  const double spring = stiffness(pair), pressing = spring * (pair.thickness - near.distance);
+  const double spring = stiffness(pair), pressing = findSpring(near).force;
   const FrictionLaw law{params_.friction * pressing, params_.kinetic_friction * pressing, spring,
                         2.0 * params_.damping * spring / params_.rate};
   const Vec3 normal = near.closest.gap / near.distance;
@@ -454,7 +505,7 @@ std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, c
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
     const double depth = near.pair.thickness - near.distance;
-    Vec3 force = stiffness(near.pair) * depth / near.distance * near.closest.gap;
+    Vec3 force = findSpring(near).force / near.distance * near.closest.gap;
     if (params_.friction > 0.0) {
       const Rub rub = findRub(near, positions, anchors);
       force += rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slides);

@@ -44,6 +44,8 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
     meeting.thickness = params.contact.thickness.valueOr(params.material.thickness);
     meeting.friction = params.contact.friction;
     meeting.kinetic_friction = params.contact.kinetic_friction.valueOr(params.contact.friction);
+    meeting.hardens =
+        params.integrator.type == solve::IntegratorType::kImplicit || params.integrator.type == solve::IntegratorType::kStatic;
     if (!made.meeting)
       made.meeting =
           std::make_shared<const std::vector<contact::Triangle>>(chooseContactTriangles(rest_->points, trianglesOf(*model_)));

@@ -117,7 +117,8 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (is_static && request.second_search > 0.0) start = points;
   const solve::TimeMarch::Outcome taken = findMotion(now, request);
   outcome.report = taken.report;
-  appendNotice(outcome.notice, describeStep(taken, params_.integrator));
+  const Index num_stopped = loads_.self_contact ? loads_.self_contact->numStopped() : 0;
+  appendNotice(outcome.notice, describeStep(taken, params_.integrator, num_stopped));
   if (!taken.ok) return refuse(describeFailure(taken.failure), outcome);
   appendNotice(outcome.notice, describeStopped());
   const Timer search_timer;

@@ -27,8 +27,11 @@ std::string describeRetry(const Outcome& outcome) {
                                         : "again with " + std::to_string(outcome.report.substeps) + " sub-steps");
 }
 
-std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static) {
+std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, Index num_stopped) {
   const std::string smaller = "a smaller time_step or ";
+  if (num_stopped > 0 && !(report.unbalanced < kFar))
+    return "contact stopped " + std::to_string(num_stopped) +
+           " points short, and bears what is unbalanced: as where pins push parts into each other that cannot give way";
   if (!(report.unbalanced < kFar))
     return "far from balance, as where forces are more than a surface bears: smaller ones, " +
            (is_static ? "more integrator.max_iterations or " : smaller) + "a reset help";
@@ -38,7 +41,7 @@ std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static) 
 }
 
 // About a search that ended before the forces were balanced.
-std::string describeUnbalance(const Outcome& outcome, const IntegratorParams& params) {
+std::string describeUnbalance(const Outcome& outcome, const IntegratorParams& params, Index num_stopped) {
   const solve::SolveReport& report = outcome.report;
   if (!outcome.ok || report.converged) return "";
   const bool is_static = outcome.type == IntegratorType::kStatic;
@@ -46,7 +49,7 @@ std::string describeUnbalance(const Outcome& outcome, const IntegratorParams& pa
   return "the solver stopped after " + std::to_string(report.iterations) + " iterations in all its searches (each of at most " +
          most + ") with " + formatShort(report.unbalanced) +
          " of the largest force unbalanced in place of integrator.tolerance, " + formatShort(params.tolerance) + "; " +
-         adviseOnUnbalance(report, is_static);
+         adviseOnUnbalance(report, is_static, num_stopped);
 }
 
 }  // namespace
@@ -68,10 +71,10 @@ std::string describeFailure(const solve::StepFailure& failure) {
   return "";
 }
 
-std::string describeStep(const Outcome& outcome, const IntegratorParams& params) {
+std::string describeStep(const Outcome& outcome, const IntegratorParams& params, Index num_stopped) {
   std::string notice = describeChange(outcome, params);
   appendNotice(notice, describeRetry(outcome));
-  appendNotice(notice, describeUnbalance(outcome, params));
+  appendNotice(notice, describeUnbalance(outcome, params, num_stopped));
   return notice;
 }
 

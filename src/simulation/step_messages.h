@@ -11,7 +11,7 @@ namespace deformable_surface::simulation {
 std::string describeFailure(const solve::StepFailure& failure);
 
 /// The notice about a step: another integrator, repeated steps, forces that were not balanced; empty if there is nothing
-/// to say. params: those that the step was taken with.
-std::string describeStep(const solve::TimeMarch::Outcome& outcome, const solve::IntegratorParams& params);
+/// to say. params: those that the step was taken with. num_stopped: points that self-contact stopped short.
+std::string describeStep(const solve::TimeMarch::Outcome& outcome, const solve::IntegratorParams& params, Index num_stopped = 0);
 
 }  // namespace deformable_surface::simulation

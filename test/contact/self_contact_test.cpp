@@ -28,9 +28,9 @@ Points spread(Points points, int per_sheet) {
   return points;
 }
 
-TEST(SelfContact, PushesWithTheGradientOfItsPotential) {
-  const test::Sheets sheets = test::makeSheets(2, 5, 0.0013, 0.0004);
-  SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
+// The forces are minus the gradient of the potential, and sum up to none.
+void checkGradient(const test::Sheets& sheets, const SelfContactParams& params) {
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25), params);
   Points forces(sheets.points.size(), Vec3::Zero());
   contact.addForces(sheets.points, forces);
   Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();
@@ -52,6 +52,46 @@ TEST(SelfContact, PushesWithTheGradientOfItsPotential) {
       const double slope = (contact.potential(plus) - contact.potential(minus)) / (2.0 * h);
       EXPECT_NEAR(forces[i][k], -slope, 1e-4 * largest) << i << ' ' << k;
     }
+}
+
+TEST(SelfContact, PushesWithTheGradientOfItsPotential) { checkGradient(test::makeSheets(2, 5, 0.0013, 0.0004), kParams); }
+
+// Sheets a sixth, a third and nearly half of the thickness into each other, whose edges are a degree to some ten apart in angle.
+TEST(SelfContact, SpringsThatHardenPushWithTheGradientOfTheirPotential) {
+  SelfContactParams params = kParams;
+  params.hardens = true;
+  for (const double gap : {0.00167, 0.00135, 0.00108})
+    for (const double turn : {0.02, 0.1, 0.3}) {
+      test::Sheets sheets = test::makeSheets(2, 5, gap, 0.00003);
+      const Eigen::AngleAxisd rotation(turn, Vec3::UnitZ());
+      for (std::size_t i = 25; i < sheets.points.size(); ++i) sheets.points[i] = rotation * sheets.points[i];
+      checkGradient(sheets, params);
+    }
+}
+
+// A balance is found only where no force sets in at once.
+TEST(SelfContact, ForcesOfSpringsThatHardenAreContinuousAndStrongWhereMotionIsLimited) {
+  SelfContactParams params = kParams;
+  params.hardens = true;
+  const auto measure = [&](double gap, bool is_damped) {
+    const test::Sheets sheets = test::makeSheets(2, 5, gap, 0.0);
+    SelfContact contact = makeContact(sheets, spread(sheets.points, 25), params);
+    Points velocities(sheets.points.size(), Vec3::Zero()), forces = velocities;
+    for (std::size_t i = 25; i < velocities.size(); ++i) velocities[i].z() = -0.1;
+    if (is_damped)
+      contact.addDampingForces(sheets.points, velocities, forces);
+    else
+      contact.addForces(sheets.points, forces);
+    double sum = 0.0;
+    for (std::size_t i = 25; i < forces.size(); ++i) sum += forces[i].z();
+    return sum;
+  };
+  const double t = params.thickness, full = measure(0.8 * t, true);
+  EXPECT_GT(full, 0.0);
+  EXPECT_GT(measure(0.999 * t, true), 0.0);
+  EXPECT_LT(measure(0.999 * t, true), 0.02 * full);
+  EXPECT_NEAR(measure(0.7501 * t, false), measure(0.7499 * t, false), 2e-3 * measure(0.75 * t, false));
+  EXPECT_GT(measure(0.505 * t, false), 50.0 * measure(0.75 * t, false));
 }
 
 TEST(SelfContact, PartsUpToOneAndAHalfThicknessesApartMayTouch) {

@@ -154,6 +154,50 @@ TEST(SelfContactLoad, ImplicitStepsDoNotCrossEither) {
   EXPECT_GT(seen.touched, 2);
 }
 
+// A sheet that pins press into a larger one, in register and not. Each step used to end far from balance: the damping of springs
+// set in at once, edges were parallel, and what springs did not bear the limit of motion did.
+TEST(SelfContactLoad, ImplicitStepsBalanceLayersThatArePressedTogether) {
+  for (const double offset : {0.0, 0.007}) {
+    ContactScene scene;
+    scene.params.material.young_modulus = 1e5;
+    scene.params.material.thickness = 0.002;
+    scene.params.material.damping = 4.0;
+    scene.params.gravity.setZero();
+    scene.params.simplification.method = cloud::SimplificationMethod::kNone;
+    scene.params.contact.self = true;
+    scene.params.contact.thickness = 0.005;
+    scene.params.contact.friction = 0.3;
+    scene.params.integrator.type = Type::kImplicit;
+    for (int layer = 0; layer < 2; ++layer) {
+      const int across = layer == 0 ? 12 : 7;
+      const double from = layer == 0 ? 0.0 : 0.05 + offset;
+      for (int i = 0; i < across; ++i)
+        for (int j = 0; j < across; ++j) scene.cloud.positions.push_back({from + 0.02 * i, from + 0.02 * j, 0.08 * layer});
+    }
+    scene.cloud.width = static_cast<std::uint32_t>(scene.cloud.positions.size());
+    const auto pin = [&](const Vec3& min, const Vec3& max) {
+      scene.params.pins.emplace_back();
+      scene.params.pins.back().region.min = min;
+      scene.params.pins.back().region.max = max;
+    };
+    pin({-0.01, -0.01, -0.01}, {0.005, 0.3, 0.01});
+    pin({0.215, -0.01, -0.01}, {0.225, 0.3, 0.01});
+    pin({0.04, 0.04, 0.07}, {0.3, offset + 0.055, 0.09});
+    pin({0.04, offset + 0.165, 0.07}, {0.3, 0.18, 0.09});
+    const Vec4 still(0.0, 0.0, 0.0, 1.0);
+    for (std::size_t p : {2, 3}) scene.params.pins[p].path = {{0.0, Vec3::Zero(), still}, {0.5, Vec3(0.0, 0.0, -0.11), still}};
+    Simulation s(scene.params, scene.cloud);
+    Index touched = 0;
+    for (int k = 0; k < 50; ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << outcome.problem;
+      EXPECT_EQ(outcome.notice.find("unbalanced"), std::string::npos) << offset << ' ' << k << ' ' << outcome.notice;
+      touched = std::max(touched, static_cast<Index>(s.statistics().self_contacts));
+    }
+    EXPECT_GT(touched, 30);
+  }
+}
+
 // A sleeve that is forced through its own end. Before stopping was entered in the energy account with its own work, a quarter of
 // the energy stored there came from nothing in both.
 TEST(SelfContactLoad, JamsMakeNoEnergy) {

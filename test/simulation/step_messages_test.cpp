@@ -85,6 +85,9 @@ TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
   EXPECT_EQ(adviceOf(),
             "far from balance, as where forces are more than a surface bears: smaller ones, more integrator.max_iterations or a "
             "reset help");
+  EXPECT_NE(
+      describeStep(outcome, params, 3).find("; contact stopped 3 points short, and bears what is unbalanced: as where pins"),
+      std::string::npos);
   outcome.report.unbalanced = 0.001;
   EXPECT_EQ(adviceOf(), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance helps");
   outcome.report.is_out_of_iterations = true;

@@ -21,6 +21,8 @@ struct SelfContactParams {
   double damping = 0.05;          // of the springs, as a share of critical
   double friction = 0.0;          // Coulomb's coefficient of pairs that stick
   double kinetic_friction = 0.0;  // of pairs that slide, not above friction
+  bool hardens = false;           // springs become ever stiffer towards the least distance that limit() lets parts have, and all
+                                  // forces are continuous: for methods that search a balance
 };
 
 /// The contact force of one pair.
@@ -94,6 +96,7 @@ class SelfContact {
     Pair pair;
     Closest closest;
     double distance;
+    double weight = 1.0;  // of the pair's spring: below 1 for nearly parallel edges if springs harden
   };
   // A near pair, projected on its gap.
   struct Approach {
@@ -129,6 +132,16 @@ class SelfContact {
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
   const std::vector<Near>& measure(const Points& positions, double reach);
   double stiffness(const Pair& pair) const;
+  struct Spring {
+    double energy, force, stiffness;  // J, N, N/m
+  };
+  Spring findSpring(const Near& near) const;
+  /// Share of critical damping.
+  double findDamping(const Near& near) const;
+  /// See Near::weight.
+  double weigh(const Pair& pair, const Points& positions) const;
+  /// Adds the forces that turn nearly parallel edges: their weight depends on the angle.
+  void addTurning(const Near& near, const Points& positions, Points& forces) const;
   Approach makeApproach(const Near& near, const Points& before) const;
   Worst findWorst(const Approach& approach) const;
   void collide();
