@@ -9,7 +9,8 @@ namespace deformable_surface::simulation {
 Vec3 ContactDamping::findForce(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const {
   const Vec3 relative = contact_.points().findVelocity(touch.point, state.velocities) - motion.velocityAt(touch.position);
   const double force = -coefficient(contact_.points().dampedMassOf(touch.point)) * relative.dot(touch.normal);
-  return std::max(force, -touch.force.norm()) * touch.normal;
+  const double spring = touch.force.norm();
+  return std::max(is_gradual_ ? std::min(force, spring) : force, -spring) * touch.normal;
 }
 
 Vec3 ContactDamping::findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const {

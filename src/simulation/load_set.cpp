@@ -8,7 +8,7 @@ LoadSet::LoadSet(const model::DeformableModel& model, const SceneParams& params)
       drag(model, params.viscous_drag),
       forces(model.masses()),
       contact(model.masses()),
-      contact_damping(contact),
+      contact_damping(contact, params.integrator.type == solve::IntegratorType::kImplicit),
       friction(contact),
       track(model.masses(), params.input.tracking_gain) {}
 

@@ -48,6 +48,18 @@ TEST(ContactDamping, NeverPulls) {
   EXPECT_DOUBLE_EQ(out.force().z(), -0.5 * 100.0 * 100.0 * 1e-3);
 }
 
+TEST(ContactDamping, SetsInWithTheSpringIfItIsGradual) {
+  for (const double depth : {1e-9, 1e-3, 1e-2}) {
+    const Touching in(makeTable(0.3), -depth, -1.0);
+    const simulation::ContactDamping gradual(in.contact, true);
+    Points forces(1, Vec3::Zero());
+    gradual.addForces(0.0, in.state, forces);
+    const double spring = 0.5 * 100.0 * 100.0 * depth;
+    EXPECT_NEAR(forces[0].z(), std::min(spring, in.force().z()), 1e-9 * spring) << depth;
+    EXPECT_GT(in.force().z(), 1.0);
+  }
+}
+
 TEST(ContactDamping, ContactWithoutFrictionHasNone) {
   const Touching in(makeTable(0.0), -1e-3, -0.01);
   EXPECT_TRUE(in.damping.isEmpty());

@@ -8,14 +8,15 @@ namespace deformable_surface::simulation {
 
 /// F = -c v n on a point that touches a solid tool with friction. v: velocity of the point relative to the tool, along the
 /// outward normal n. c = 2 zeta m r, with zeta = kShare and m r^2 the stiffness of the contact spring. F never exceeds the spring
-/// force, so that contact does not pull. About half of the speed is left after an impact. Without this damping, points pressed
+/// force on the way out, so that contact does not pull; if it is gradual, for methods that search a balance, nor on the way in,
+/// so that it does not set in at once. About half of the speed is left after an impact. Without this damping, points pressed
 /// between two tools bounced higher and higher, because friction added energy on their way. Contact without friction conserves
 /// energy.
 class ContactDamping : public solve::ExternalLoad {
  public:
   static constexpr double kShare = 0.2;  // zeta, of critical
 
-  explicit ContactDamping(const ContactLoad& contact) : contact_(contact) {}
+  explicit ContactDamping(const ContactLoad& contact, bool is_gradual = false) : contact_(contact), is_gradual_(is_gradual) {}
 
   /// Whether no tool has friction.
   bool isEmpty() const { return !contact_.hasFriction(); }
@@ -34,6 +35,7 @@ class ContactDamping : public solve::ExternalLoad {
   Vec3 findForce(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const;
 
   const ContactLoad& contact_;
+  const bool is_gradual_;
 };
 
 }  // namespace deformable_surface::simulation
