@@ -209,6 +209,22 @@ TEST(Allocation, NoStepOfOrientedParticlesAllocatesAfterTheFirst) {
     }
 }
 
+TEST(Allocation, NoStepOfParticlesWithKeptBondsAllocatesAfterTheFirst) {
+  using Type = solve::IntegratorType;
+  for (Type type : {Type::kVerlet, Type::kStatic}) {
+    simulation::SceneParams p = hangingSheet();
+    p.model = "oriented_particles";
+    p.oriented_particles.bonds = model::ParticleBonds::kKept;
+    p.integrator.type = type;
+    p.simplification = {};
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+    p.material.damping = 2.0;
+    simulation::Simulation s(p, asCloud(makeSheet(12, 12, 1.0, 1.0).points));
+    run(s, 10);
+    EXPECT_EQ(countAllocations(s, 20), 0) << static_cast<int>(type);
+  }
+}
+
 TEST(Allocation, NoStepOfAPartAllocatesWhileTheSameTilesMove) {
   simulation::SceneParams p = hangingSheet();
   p.gravity.setZero();

@@ -57,6 +57,36 @@ TEST(SceneRules, OrientationsAndCreasesAreForOrientedParticles) {
   EXPECT_FALSE(isRefused(scene, "creases"));
 }
 
+TEST(SceneRules, KeptBondsNeedARestShapeAndAddNoParticles) {
+  SceneParams scene;
+  scene.model = "oriented_particles";
+  const model::OrientedParticlesParams free = scene.oriented_particles;
+  model::OrientedParticlesParams& p = scene.oriented_particles;
+  p.bonds = model::ParticleBonds::kKept;
+  EXPECT_TRUE(checkParams(scene).empty());
+  const model::OrientedParticlesParams kept = p;
+  const auto expectRefused = [&](const char* key) {
+    EXPECT_TRUE(isRefused(scene, std::string("oriented_particles.") + key)) << key;
+    p.bonds = free.bonds;
+    EXPECT_TRUE(checkParams(scene).empty()) << key;
+    p = kept;
+  };
+  p.rest_shape = model::RestShape::kFlat;
+  expectRefused("bonds");
+  p.mode = model::ParticleMode::kPlane;
+  expectRefused("bonds");
+  p.stretching = true;
+  expectRefused("bonds");
+  p.growing = model::Growing::kGaps;
+  expectRefused("bonds");
+  p.grow_surface = true;
+  expectRefused("bonds");
+  p.co_circularity = 1.0;
+  expectRefused("co_circularity");
+  p.yield_curvature = 1.0;
+  expectRefused("yield_curvature");
+}
+
 TEST(SceneRules, ContactOfASurfaceWithItselfNeedsTriangles) {
   SceneParams scene;
   scene.contact.self = true;

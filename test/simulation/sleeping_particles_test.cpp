@@ -15,8 +15,9 @@ using simulation::Sleep;
 constexpr double kTolerance = kSleepTolerance;
 
 // A hexagonal sheet of particles at rest, poked near a corner from the sixth step on.
-SceneParams pokedSheet() {
+SceneParams pokedSheet(model::ParticleBonds bonds = model::ParticleBonds::kFree) {
   SceneParams p;
+  p.oriented_particles.bonds = bonds;
   p.model = "oriented_particles";
   p.gravity.setZero();
   p.material.young_modulus = 500.0;
@@ -40,34 +41,37 @@ cloud::PointCloud hexagons() {
 }
 
 TEST(SleepingParticles, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
-  SceneParams p = pokedSheet();
-  Simulation s(p, hexagons());
-  p.sleep.mode = Sleep::kNever;
-  Simulation never(p, hexagons());
-  run(s, 5);
-  run(never, 5);
-  EXPECT_EQ(s.statistics().awake, 0u);
-  std::uint32_t least = static_cast<std::uint32_t>(s.state().size());
-  double moved = 0.0;
-  for (int k = 0; k < 30; ++k) {
-    run(s, 1);
-    run(never, 1);
-    ASSERT_TRUE(isPartlyAwake(s)) << k;
-    least = std::min(least, s.statistics().awake);
-    for (Index i = 0; i < s.state().size(); ++i)
-      if (!s.isAwake(i)) {
-        ASSERT_TRUE(s.state().velocities[i].isZero(0.0));
-        ASSERT_TRUE(s.state().spins[i].isZero(0.0));
-      }
-    moved = std::max(moved, largestDistance(never.state().positions, never.input().positions));
-    EXPECT_LT(largestDistance(s.state().positions, never.state().positions), kTolerance) << k;
+  for (const model::ParticleBonds bonds : {model::ParticleBonds::kFree, model::ParticleBonds::kKept}) {
+    SceneParams p = pokedSheet(bonds);
+    Simulation s(p, hexagons());
+    p.sleep.mode = Sleep::kNever;
+    Simulation never(p, hexagons());
+    run(s, 5);
+    run(never, 5);
+    EXPECT_EQ(s.statistics().awake, 0u);
+    std::uint32_t least = static_cast<std::uint32_t>(s.state().size());
+    double moved = 0.0;
+    for (int k = 0; k < 30; ++k) {
+      run(s, 1);
+      run(never, 1);
+      ASSERT_TRUE(isPartlyAwake(s)) << k;
+      least = std::min(least, s.statistics().awake);
+      for (Index i = 0; i < s.state().size(); ++i)
+        if (!s.isAwake(i)) {
+          ASSERT_TRUE(s.state().velocities[i].isZero(0.0));
+          ASSERT_TRUE(s.state().spins[i].isZero(0.0));
+        }
+      moved = std::max(moved, largestDistance(never.state().positions, never.input().positions));
+      EXPECT_LT(largestDistance(s.state().positions, never.state().positions), kTolerance) << k;
+    }
+    EXPECT_LT(least, 0.2 * s.state().size());
+    EXPECT_GT(moved, 1000.0 * kTolerance);
   }
-  EXPECT_LT(least, 0.2 * s.state().size());
-  EXPECT_GT(moved, 1000.0 * kTolerance);
 }
 
 TEST(SleepingParticles, APartIsBitIdenticalForOneTwoAndThreeThreadsAndThroughSnapshots) {
-  expectSameBitsInParts(pokedSheet(), hexagons(), 12, 30);
+  for (const model::ParticleBonds bonds : {model::ParticleBonds::kFree, model::ParticleBonds::kKept})
+    expectSameBitsInParts(pokedSheet(bonds), hexagons(), 12, 30);
 }
 
 // A flake is pressed onto a sleeping sheet. When the sheet fell asleep, the flake was far beyond its reach.

@@ -113,13 +113,81 @@ void OrientedParticles::adopt(const State& state) {
   is_bent_ = params_.yield_curvature > 0.0 ||
              std::any_of(state.traits.begin(), state.traits.end(),
                          [](const ParticleTraits& traits) { return !traits.rest_curvature.isZero(0.0); });
+  has_bonds_ = false;
   masses_.assign(state.positions.size(), mass_);
   inertias_.assign(state.positions.size(), lattice_.inertia_by_mass * mass_);
+  for (Index i = 0; kept_ && i < state.size(); ++i) {
+    masses_[i] = material_.arealDensity() * areaOf(state.traits[i]);
+    inertias_[i] = kept_->inertia_by_mass * masses_[i];
+  }
+}
+
+double OrientedParticles::areaOf(const ParticleTraits& traits) const {
+  return kept_ && traits.id < static_cast<Index>(kept_->areas.size()) ? kept_->areas[traits.id] : lattice_.area_per_particle;
+}
+
+void OrientedParticles::keepBonds(const State& state, const std::vector<WeightedTriangle>& triangles, std::vector<double> areas) {
+  const auto kept = std::make_shared<KeptBonds>(state, triangles, std::move(areas), material_, params_);
+  kept_ = kept;
+  adopt(state);
+  if (!prepare(state)) return;
+  for (Index i = 0; i < state.size(); ++i)
+    forEachStranger(i, [&](Index j, double d, double) {
+      if (i < j) kept->close.push_back({i, j, d});
+    });
+  has_bonds_ = false;
+  // Those that are kept apart repel where they come nearer than they are, and not at all along a bond.
+  const Lists& apart = lists_.apart();
+  std::vector<double> ranges;
+  ranges.reserve(apart.items.size());
+  for (Index i = 0; i < apart.size(); ++i)
+    for (const Index* j = apart.begin(i); j != apart.end(i); ++j)
+      ranges.push_back(bonds_.areBound(i, *j) ? 0.0 : (state.positions[*j] - state.positions[i]).norm());
+  if (ranges.empty()) return;
+  for (NeighborList* lists : {&lists_, &partners_}) lists->setApartRanges(ranges);
+}
+
+ParticleCuts::Pairs OrientedParticles::findCrossed(const State& state,
+                                                   const std::function<bool(Index, Index)>& is_crossed) const {
+  ParticleCuts::Pairs pairs;
+  if (!kept_ || !prepare(state)) return pairs;
+  for (const KeptBonds::Bond& bond : bonds_.bonds()) {
+    if (!is_crossed(bond.i, bond.j)) continue;
+    const Index a = state.traits[bond.i].id, b = state.traits[bond.j].id;
+    pairs.emplace_back(std::min(a, b), std::max(a, b));
+  }
+  return pairs;
+}
+
+ParticleCuts::Pairs OrientedParticles::findBroken(const State& state) const {
+  ParticleCuts::Pairs pairs;
+  if (!kept_ || !prepare(state)) return pairs;
+  const double most = params_.tear_strain > 0.0 ? 1.0 + params_.tear_strain : params_.cutoff;
+  for (const KeptBonds::Bond& bond : bonds_.bonds()) {
+    const ParticleTraits &i = state.traits[bond.i], &j = state.traits[bond.j];
+    const bool is_molten = std::max(i.temperature, j.temperature) >= params_.melting;
+    const double squared = (state.positions[bond.j] - state.positions[bond.i]).squaredNorm();
+    if (!is_molten && squared <= most * most * bond.length * bond.length) continue;
+    pairs.emplace_back(std::min(i.id, j.id), std::max(i.id, j.id));
+  }
+  return pairs;
+}
+
+// Calls take(j, d, c) for the particles to which i has no bond and that are nearer than c, m: than those of a lattice at rest, or
+// than they were at rest if they were nearer or had one. They repel with the energy of ApartPotential.
+template <class Take>
+void OrientedParticles::forEachStranger(Index i, const Take& take) const {
+  forEachNear(i, lattice_.pair.distance, [&](Index j, double d) {
+    if (bonds_.areBound(i, j)) return;
+    const double c = std::min(lattice_.pair.distance, bonds_.restDistance(i, j));
+    if (d < c) take(j, d, c);
+  });
 }
 
 void OrientedParticles::setCuts(const ParticleCuts& cuts) {
   if (cuts_.isSameAs(cuts)) return;
   cuts_ = cuts;
+  has_bonds_ = false;
   lists_.forget();
   partners_.forget();
 }
@@ -144,7 +212,11 @@ double OrientedParticles::coolDown(double temperature, double time) const {
 
 // Updates lists and copies for this state; false if forces cannot be computed.
 bool OrientedParticles::prepare(const State& state) const {
-  if (!lists_.update(state.positions, state.traits, cuts_)) return false;
+  if (!lists_.update(state.positions, state.traits, kept_ ? ParticleCuts() : cuts_)) return false;
+  if (kept_ && !has_bonds_) {
+    bonds_.update(*kept_, state.traits, cuts_);
+    has_bonds_ = true;
+  }
   const Index n = state.size();
   packed_.places.resize(4 * static_cast<std::size_t>(n));
   packed_.normals.resize(4 * static_cast<std::size_t>(n));
@@ -209,7 +281,16 @@ void OrientedParticles::addForcesAndTorques(const State& state, Points& forces, 
     return;
   }
   const bool in_plane = params_.mode == ParticleMode::kPlane;
+  if (kept_) bonds_.addForces(packed_, forces, torques);
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
+    if (kept_) {
+      for (Index i = begin; i < end; ++i)
+        forEachStranger(i, [&](Index j, double d, double c) {
+          if (d > 0.0) forces[i] -= 2.0 * apartPotential().stiffness * (c - d) / d * (state.positions[j] - state.positions[i]);
+        });
+      gatherApart(apartPotential(), lists_, packed_, begin, end, forces.data());
+      return;
+    }
     gatherForces(lattice_.pair, lists_, packed_, begin, end, forces.data(), torques.data());
     gatherContact(lattice_.pair, lists_, packed_, begin, end, forces.data());
     gatherApart(apartPotential(), lists_, packed_, begin, end, forces.data());
@@ -345,6 +426,7 @@ double OrientedParticles::measureSpacing(const State& state) const {
 
 double OrientedParticles::meanBonds(const State& state) const {
   if (state.size() == 0 || !prepare(state)) return 0.0;
+  if (kept_) return 2.0 * static_cast<double>(bonds_.bonds().size()) / static_cast<double>(state.size());
   const double sum = parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
     double count = 0.0;
     for (Index i = begin; i < end; ++i) forEachNear(i, lattice_.pair.cutoff, [&](Index, double) { count += 1.0; });
@@ -391,6 +473,15 @@ bool OrientedParticles::flow(State& state) const {
 
 double OrientedParticles::elasticEnergy(const State& state) const {
   if (!prepare(state)) return kNotANumber;
+  if (kept_) {
+    return bonds_.findEnergy(packed_) + parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
+             double sum = gatherApartEnergy(apartPotential(), lists_, packed_, begin, end);
+             for (Index i = begin; i < end; ++i)
+               forEachStranger(i,
+                               [&](Index, double d, double c) { sum += 0.5 * apartPotential().stiffness * (c - d) * (c - d); });
+             return sum;
+           });
+  }
   const double energy = parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
     return gatherEnergy(lattice_.pair, lists_, packed_, begin, end) +
            gatherContactEnergy(lattice_.pair, lists_, packed_, begin, end) +
@@ -404,6 +495,22 @@ double OrientedParticles::findStableStep(const State& state) const {
   const double mass = mass_, inertia = lattice_.inertia_by_mass * mass_, both = std::sqrt(mass * inertia);
   const Index n = state.size(), num_blocks = (n + kBlock - 1) / kBlock;
   const ApartPotential apart = apartPotential();
+  if (kept_) {
+    row_moves_.assign(n, 0.0);
+    row_turns_.assign(n, 0.0);
+    bonds_.addRowBounds(packed_, masses_, inertias_, row_moves_, row_turns_);
+    double most = 0.0;
+    for (Index i = 0; i < n; ++i) {
+      double& move = row_moves_[i];
+      forEachStranger(i, [&](Index j, double, double) {
+        move += 2.0 * apart.stiffness * (1.0 / masses_[i] + 1.0 / std::sqrt(masses_[i] * masses_[j]));
+      });
+      for (const NeighborList::Apart* j = lists_.beginApart(i); j != lists_.endApart(i); ++j)
+        move += 2.0 * apart.stiffness * (1.0 / masses_[i] + 1.0 / std::sqrt(masses_[i] * masses_[j->particle]));
+      most = std::max({most, move, row_turns_[i]});
+    }
+    return most > 0.0 ? 2.0 / std::sqrt(most) : std::numeric_limits<double>::infinity();
+  }
   row_maxima_.assign(num_blocks, 0.0);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     double largest = 0.0, moves[kBlock] = {}, turns[kBlock] = {};
@@ -426,8 +533,17 @@ double OrientedParticles::findStableStep(const State& state) const {
 
 void OrientedParticles::addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>&) const {
   if (!prepare(state)) return;
+  if (kept_) {
+    // With masses of one and normals that do not turn the bounds are those of the stiffness.
+    unit_masses_.assign(state.positions.size(), 1.0);
+    fixed_inertias_.assign(state.positions.size(), std::numeric_limits<double>::infinity());
+    row_turns_.assign(state.positions.size(), 0.0);
+    bonds_.addRowBounds(packed_, unit_masses_, fixed_inertias_, stiffness, row_turns_);
+    for (Index i = 0; i < state.size(); ++i)
+      forEachStranger(i, [&](Index, double, double) { stiffness[i] += 4.0 * apartPotential().stiffness; });
+  }
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
-    addStiffness(begin, end, [&](Index i, const PairStiffness& k) { stiffness[i] += 2.0 * k.x; });
+    if (!kept_) addStiffness(begin, end, [&](Index i, const PairStiffness& k) { stiffness[i] += 2.0 * k.x; });
     for (Index i = begin; i < end; ++i)
       forEachParted(i, [&](double d) { stiffness[i] += 2.0 * boundContactStiffness(lattice_.pair, d); });
     if (!lists_.hasApart()) return;
@@ -440,6 +556,11 @@ void OrientedParticles::refreshDisplay(const State& state) const {
   links_.clear();
   triangles_.clear();
   if (!prepare(state)) return;
+  if (kept_) {
+    for (const KeptBonds::Bond& bond : bonds_.bonds()) links_.emplace_back(std::min(bond.i, bond.j), std::max(bond.i, bond.j));
+    triangles_ = bonds_.triangles();
+    return;
+  }
   Points normals;
   normals.reserve(state.orientations.size());
   for (const Quaternion& q : state.orientations) normals.push_back(normalOf(q));
@@ -460,12 +581,15 @@ void OrientedParticles::refreshDisplay(const State& state) const {
 void OrientedParticles::computeAreaVectors(const State& state, Points& area_vectors) const {
   area_vectors.resize(state.positions.size());
   for (std::size_t i = 0; i < area_vectors.size(); ++i)
-    area_vectors[i] = lattice_.area_per_particle * normalOf(state.orientations[i]);
+    area_vectors[i] = areaOf(state.traits[i]) * normalOf(state.orientations[i]);
 }
 
 double OrientedParticles::enclosedVolume(const State& state) const {
   double sum = 0.0;
-  for (Index i = 0; i < state.size(); ++i) sum += state.positions[i].dot(normalOf(state.orientations[i]));
+  for (Index i = 0; i < state.size(); ++i) {
+    const double share = kept_ ? areaOf(state.traits[i]) / lattice_.area_per_particle : 1.0;
+    sum += share * state.positions[i].dot(normalOf(state.orientations[i]));
+  }
   return sum * lattice_.area_per_particle / 3.0;
 }
 
@@ -486,6 +610,13 @@ double OrientedParticles::maxStretch(const State& state) const {
 void OrientedParticles::computePointStrain(const State& state, std::vector<double>& strain) const {
   strain.assign(state.positions.size(), 0.0);
   if (!prepare(state)) return;
+  if (kept_) {
+    for (const KeptBonds::Bond& bond : bonds_.bonds()) {
+      const double longer = std::abs((state.positions[bond.j] - state.positions[bond.i]).norm() / bond.length - 1.0);
+      for (const Index i : {bond.i, bond.j}) strain[i] = std::max(strain[i], longer);
+    }
+    return;
+  }
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i)
       forEachNear(i, kLinkLength * lattice_.spacing,

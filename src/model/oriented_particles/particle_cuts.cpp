@@ -174,6 +174,20 @@ ParticleCuts ParticleCuts::cut(const Points& positions, const std::vector<Partic
   return make(std::move(lists));
 }
 
+ParticleCuts ParticleCuts::sever(const Pairs& pairs) const {
+  if (pairs.empty()) return *this;
+  Lists lists = lists_ ? *lists_ : Lists();
+  Pairs severed = lists.severed ? *lists.severed : Pairs();
+  severed.insert(severed.end(), pairs.begin(), pairs.end());
+  sortUnique(severed);
+  for (const auto& [a, b] : severed) {
+    lists.is_cut.resize(std::max<std::size_t>(lists.is_cut.size(), b + 1), 0);
+    lists.is_cut[a] = lists.is_cut[b] = 1;
+  }
+  lists.severed = std::make_shared<const Pairs>(std::move(severed));
+  return make(std::move(lists));
+}
+
 ParticleCuts ParticleCuts::follow(const Points& positions, const std::vector<ParticleTraits>& traits, const NeighborList& lists,
                                   const Lengths& lengths, double welding, Scratch& scratch) const {
   if (isEmpty()) return *this;

@@ -8,6 +8,8 @@ namespace deformable_surface::model {
 
 bool OrientedParticles::followPartners(const State& state) {
   partners_.forget();
+  // The state may have no orientations.
+  if (kept_ && !has_bonds_) bonds_.update(*kept_, state.traits, cuts_);
   has_partners_ = partners_.update(state.positions, state.traits);
   return true;
 }
@@ -19,6 +21,7 @@ bool OrientedParticles::markPartners(const std::vector<Index>& points, std::vect
   for (const Index i : points) {
     marked[i] = 1;
     if (!has_partners_) continue;
+    for (const Index* j = kept_ ? bonds_.begin(i) : nullptr; kept_ && j != bonds_.end(i); ++j) marked[*j] = 1;
     for (const Index* j = partners_.begin(i); j != partners_.end(i); ++j) marked[*j] = 1;
     for (const NeighborList::Apart* j = partners_.beginApart(i); j != partners_.endApart(i); ++j) marked[j->particle] = 1;
   }
@@ -32,9 +35,10 @@ OrientedParticles::OrientedParticles(const OrientedParticles& whole, std::size_t
       lattice_(whole.lattice_),
       mass_(whole.mass_),
       cuts_(whole.cuts_),
+      kept_(whole.kept_),
       is_bent_(whole.is_bent_),
-      masses_(count, mass_),
-      inertias_(count, lattice_.inertia_by_mass * mass_),
+      masses_(count),
+      inertias_(count),
       lists_(whole.lists_.alike()),
       partners_(lists_) {}
 
@@ -47,7 +51,12 @@ Partition::Part OrientedParticles::makePart(const std::vector<char>& wanted) con
   Part part;
   for (Index i = 0; i < static_cast<Index>(present.size()); ++i)
     if (present[i]) part.points.push_back(i);
-  part.model.reset(new OrientedParticles(*this, part.points.size()));
+  auto* const model = new OrientedParticles(*this, part.points.size());
+  part.model.reset(model);
+  for (std::size_t k = 0; k < part.points.size(); ++k) {
+    model->masses_[k] = masses_[part.points[k]];
+    model->inertias_[k] = inertias_[part.points[k]];
+  }
   return part;
 }
 

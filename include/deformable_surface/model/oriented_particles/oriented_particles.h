@@ -3,11 +3,14 @@
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/oriented_particles/kept_bonds.h"
 #include "deformable_surface/model/oriented_particles/lattice.h"
 #include "deformable_surface/model/oriented_particles/neighbor_list.h"
 #include "deformable_surface/model/oriented_particles/pair_forces.h"
 
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <optional>
 
 namespace deformable_surface::model {
@@ -49,6 +52,14 @@ class OrientedParticles : public DeformableModel,
   /// Particles that are kept apart and face each other or away from each other in this state of the initial particles, like the
   /// sides of a thin body, repel only where they come nearer than they are.
   void keepLayers(const State& state);
+  /// For bonds: kept. The state of the initial particles is their rest shape; triangles: between neighbours; areas: (n) m^2, from
+  /// which their masses come. From now on no other particles bind each other.
+  void keepBonds(const State& state, const std::vector<WeightedTriangle>& triangles, std::vector<double> areas);
+  bool hasKeptBonds() const { return kept_ != nullptr; }
+  /// The kept bonds (ids) that are longer than bonds can be or have melted in this state.
+  ParticleCuts::Pairs findBroken(const State& state) const;
+  /// The kept bonds (ids) for which isCrossed(i, j) holds, i and j the numbers of present particles.
+  ParticleCuts::Pairs findCrossed(const State& state, const std::function<bool(Index, Index)>& is_crossed) const;
   /// Takes the present bending of every smooth particle as its rest shape, estimated from its neighbours, up to a radian each.
   void keepShape(State& state) const;
   /// Replaces each rest curvature by the mean over the particle and the neighbours that face the same way, moved along the
@@ -123,6 +134,9 @@ class OrientedParticles : public DeformableModel,
   OrientedParticles(const OrientedParticles& whole, std::size_t count);  // a part with `count` particles
   bool prepare(const State& state) const;
   ApartPotential apartPotential() const;
+  double areaOf(const ParticleTraits& traits) const;
+  template <class Take>
+  void forEachStranger(Index i, const Take& take) const;
   std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
   void forEachNear(Index i, double distance, const Take& take) const;
@@ -138,19 +152,22 @@ class OrientedParticles : public DeformableModel,
   double mass_;  // kg, of every particle
   Points normals_, rest_curvatures_;
   ParticleCuts cuts_;
-  bool is_bent_;  // some particle is bent at rest, or may come to be
+  std::shared_ptr<const KeptBonds> kept_;  // null: all particles in reach bind each other
+  bool is_bent_;                           // some particle is bent at rest, or may come to be
   std::vector<double> masses_, inertias_;
   // Display.
   mutable std::vector<std::pair<Index, Index>> links_;
   std::vector<std::pair<Index, Index>> no_links_;
   mutable std::vector<WeightedTriangle> triangles_;
   // Scratch.
+  mutable PresentBonds bonds_;
+  mutable bool has_bonds_ = false;  // they are those of the population
   mutable NeighborList lists_;
   NeighborList partners_;     // for parts of the surface
   bool has_partners_ = true;  // false: unknown, and all are partners
   mutable PackedParticles packed_;
   mutable Points torques_;
-  mutable std::vector<double> strain_, row_maxima_;
+  mutable std::vector<double> strain_, row_maxima_, row_moves_, row_turns_, unit_masses_, fixed_inertias_;
   mutable std::vector<char> has_flowed_;
   mutable ParticleCuts::Scratch cut_scratch_;
 };

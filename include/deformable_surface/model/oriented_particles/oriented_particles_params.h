@@ -28,8 +28,13 @@ enum class Growing { kNone, kGaps, kEdges };
 /// auto: the cloud if particles can remember a shape.
 enum class RestShape { kAuto, kFlat, kCloud };
 
+/// free: particles bind whatever is near, as published. kept: neighbours at rest stay bound, each pair with its rest shape, until
+/// the bond breaks; others only repel (kept_bonds.h).
+enum class ParticleBonds { kFree, kKept };
+
 struct OrientedParticlesParams {
   ParticleMode mode = ParticleMode::kSpace;
+  ParticleBonds bonds = ParticleBonds::kFree;
   OrAuto<double> spacing;  // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
   // Each multiplies a value derived from the material.
   double lennard_jones = 1.0;         // >= 0: 1 = the surface has Young's modulus
@@ -68,6 +73,10 @@ struct OrientedParticlesParams {
 inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.choice("mode", p.mode, {{"space", ParticleMode::kSpace}, {"plane", ParticleMode::kPlane}},
                 "`space` = a surface; `plane` = a curve of particles in the plane y = 0");
+  fields.choice(
+      "bonds", p.bonds, {{"free", ParticleBonds::kFree}, {"kept", ParticleBonds::kKept}},
+      "`free` = particles bind all others in reach, as published. `kept` = neighbours at rest stay bound, with the shape "
+      "that they have at rest, until the bond is torn, cut or melted; for thin surfaces");
   fields.number("spacing", p.spacing, "m", between(1e-9, kMaxLength),
                 "rest distance between neighbours on a flat surface; `auto` = spacing of the cloud");
   fields.number("lennard_jones", p.lennard_jones, "", between(0.0, 1e6),
@@ -143,6 +152,18 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.number("growth_interval", p.growth_interval, "s", between(1e-9, 1e9),
                 "time between two searches for places of new particles");
   fields.flag("grow_surface", p.grow_surface, "grow a surface through the particles before time 0, like `~grow_surface`");
+  if (p.bonds == ParticleBonds::kKept) {
+    fields.require(p.restsAsCloud(), "bonds",
+                   "found kept without a rest shape; accepted: rest_shape cloud, mode space, weighting isotropic");
+    fields.require(
+        !(p.co_circularity > 0.0), "co_circularity",
+        "found " + formatReal(p.co_circularity) + " with bonds: kept, which are circular at rest by themselves; accepted: 0");
+    fields.require(!(p.yield_curvature > 0.0), "yield_curvature",
+                   "found " + formatReal(p.yield_curvature) + " with bonds: kept, which keep their shape; accepted: 0");
+    fields.require(!p.stretching && p.growing == Growing::kNone && !p.grow_surface, "bonds",
+                   "found kept with added particles, which have no rest shape; accepted: stretching false, growing none, "
+                   "grow_surface false");
+  }
   fields.section("growth", p.growth, "The stretching and growing rules. Lengths are in particle spacings.");
 }
 

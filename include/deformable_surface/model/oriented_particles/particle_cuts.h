@@ -52,6 +52,9 @@ class ParticleCuts {
   ParticleCuts cut(const Points& positions, const std::vector<ParticleTraits>& traits, const std::vector<Index>& near,
                    const Lengths& lengths, const std::function<bool(Index, Index)>& goes_between) const;
 
+  /// These pairs (ascending) are severed as well, whatever the distances.
+  ParticleCuts sever(const Pairs& pairs) const;
+
   /// What follow() would otherwise allocate in every step.
   struct Scratch {
     std::vector<Index> index_of_id;

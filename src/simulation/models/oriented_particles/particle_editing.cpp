@@ -63,6 +63,9 @@ Population ParticleLife::edit(const ParticleEdit& edit, State& state, std::vecto
                               std::vector<char>& pinned_turns) {
   using Action = ParticleAction;
   const bool adds = edit.action == Action::kAdd, moves = edit.action == Action::kMove, turns = edit.action == Action::kOrient;
+  if (adds && model_.hasKeptBonds())
+    throw InputError(
+        "action: found add with oriented_particles.bonds kept, which new particles have none of; accepted: the others");
   if (adds) requireCount("ids", edit.ids.size(), 0);
   const std::size_t count = adds ? edit.positions.size() : edit.ids.size();
   if (count == 0) throw InputError("found an edit of no particle; accepted: at least one");

@@ -1,5 +1,6 @@
 #include "particle_life.h"
 
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
@@ -350,7 +351,10 @@ Evolution::AfterStep ParticleLife::endStep(double time, double step, const std::
                                            CutFollower*) {
   AfterStep after;
   const model::ParticleCuts before = model_.cuts();
-  model_.setCuts(model_.followCuts(state));
+  if (model_.hasKeptBonds())
+    model_.setCuts(before.sever(model_.findBroken(state)));
+  else
+    model_.setCuts(model_.followCuts(state));
   after.has_flowed = !model_.cuts().isSameAs(before);
   after.has_cut = !before_.empty() && cut(time, step, tools, state);
   return after;
@@ -371,6 +375,14 @@ bool ParticleLife::cut(double time, double step, const std::vector<ToolParams>& 
       for (Index i = 0; i < state.size(); ++i)
         if (blade.isNear(thin.before[i])) near.push_back(i);
       const model::ParticleCuts before = model_.cuts();
+      if (model_.hasKeptBonds()) {
+        model_.setCuts(before.sever(model_.findCrossed(state, [&](Index i, Index j) {
+          return std::binary_search(near.begin(), near.end(), i) && std::binary_search(near.begin(), near.end(), j) &&
+                 blade.wentBetween(thin.before[i], thin.after[i], thin.before[j], thin.after[j], blade.all());
+        })));
+        has_cut = has_cut || !model_.cuts().isSameAs(before);
+        continue;
+      }
       model_.setCuts(before.cut(thin.before, state.traits, near, lengths, [&](Index i, Index j) {
         return blade.wentBetween(thin.before[i], thin.after[i], thin.before[j], thin.after[j], blade.all());
       }));
@@ -390,6 +402,9 @@ void ParticleLife::followBirths(const State& state, Index first, const std::vect
 
 Population ParticleLife::growSurface(const model::GrowthParams& given, const std::vector<char>& held, bool is_start,
                                      State& state) {
+  if (model_.hasKeptBonds())
+    throw InputError(
+        "grow_surface: found oriented_particles.bonds kept, with which new particles have no rest shape; accepted: free");
   model::GrowthParams growth = given;
   growth.chain = growthParams().chain;
   const bool keeps_shape = model_.params().restsAsCloud(), lets_go = !growth.fix_samples || growth.release_samples;

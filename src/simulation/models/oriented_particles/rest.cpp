@@ -6,6 +6,7 @@
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/links.h"
+#include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 
 #include <algorithm>
@@ -93,16 +94,17 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   const model::MaterialParams& m = params.material;
   constexpr double kTheirs = 1.0 / 3.0,
                    kNoted = 0.05;  // Poisson's ratio of a lattice; nearer the difference is below that of its defects
-  if (!(std::abs(m.poisson_ratio - kTheirs) <= kNoted))
+  if (params.oriented_particles.bonds == model::ParticleBonds::kFree && !(std::abs(m.poisson_ratio - kTheirs) <= kNoted))
     s.notes.push_back("material.poisson_ratio " + formatShort(m.poisson_ratio) +
                       " counts in bending_rigidity: auto only: a surface of "
                       "particles has 1/3");
   const double stiffness = m.young_modulus * m.thickness * spacing * spacing;
-  if (m.bendingRigidity() < kSoftest * stiffness)
+  if (params.oriented_particles.bonds == model::ParticleBonds::kFree && m.bendingRigidity() < kSoftest * stiffness)
     s.warnings.push_back("material.bending_rigidity " + formatShort(m.bendingRigidity()) +
                          " N m is below a fiftieth of E h a^2, " + formatShort(kSoftest * stiffness) +
                          " N m with this spacing a: the particles may crumple instead of staying a surface; a larger "
-                         "bending_rigidity, a smaller young_modulus or a smaller spacing keeps them flat");
+                         "bending_rigidity, a smaller young_modulus, a smaller spacing or oriented_particles.bonds: kept keeps "
+                         "them flat");
 }
 
 // The simulation points at rest are where these particles are.
@@ -132,8 +134,24 @@ Settling releasePinnedNeighbors(double reach, const RestSurface& s) {
   return settling;
 }
 
+// Neighbours on the surface keep their bonds, with the shape that they have now.
+void keepBonds(const model::State& state, Index k, model::OrientedParticles& model, RestSurface& s) {
+  cloud::Rings rings = cloud::buildRings(s.points, s.normals, cloud::nearestNeighbors(s.points, k));
+  std::vector<model::WeightedTriangle> triangles;
+  for (const cloud::Triangle& t : rings.triangles) {
+    triangles.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
+  }
+  const Index alone = static_cast<Index>(std::count(rings.area.begin(), rings.area.end(), 0.0));
+  if (alone > 0)
+    throw InputError("oriented_particles.bonds: found kept with " + count(alone, "particles that belong to no triangle") +
+                     "; accepted: clouds of a surface without single points, or free");
+  s.area = 0.0;
+  for (const double area : rings.area) s.area += area;
+  model.keepBonds(state, triangles, std::move(rings.area));
+}
+
 // Brings the particles to rest where the cloud is, and takes that as the rest shape. What is at rest stays as it is, bit for bit.
-void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
+void takeCloudAsRest(Index k, model::OrientedParticles& model, RestSurface& s) {
   const double spacing = model.lattice().spacing;
   model::OrientedParticles attraction = model;
   attraction.leaveOnlyAttraction();
@@ -142,6 +160,18 @@ void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   model.beginAtRest(state);
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !s.creased[i];
   const Settling settling = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
+  if (model.params().bonds == model::ParticleBonds::kKept) {
+    const Points before = s.points;
+    slideParticles(s.dense, attraction, settling.held, settling.held_turns, state);
+    takePlaces(state, model, s);
+    keepBonds(state, k, model, s);
+    const Settled moves = measureMoves(before, s.points);
+    if (moves.largest > 0.0)
+      s.notes.push_back("particles moved by " + formatShort(moves.root_mean_square / spacing) + " spacings (rms; at most " +
+                        formatShort(moves.largest / spacing) +
+                        ") before time 0 until they were even; the cloud's points ride on them");
+    return;
+  }
   const Settled settled = settleParticles(s.dense, attraction, settling.held, settling.held_turns, model, state);
   if (!(settled.largest > 0.0)) return;
   takePlaces(state, model, s);
@@ -227,7 +257,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   }
   if (params.oriented_particles.grow_surface) return;
   if (params.oriented_particles.restsAsCloud())
-    takeCloudAsRest(model, s);
+    takeCloudAsRest(params.neighbors.k, model, s);
   else if (params.oriented_particles.mode == model::ParticleMode::kSpace)
     partCrushed(params.oriented_particles.exponents, model, s);
 }

@@ -1,0 +1,102 @@
+// Bonds with a rest shape between particles that are neighbours at rest (`bonds: kept`). Not in [Szeliski 1991]: there all
+// particles within reach bind each other, and a sheet that bends easily crumples.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/material_params.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
+#include "deformable_surface/model/oriented_particles/pair_forces.h"
+#include "deformable_surface/model/oriented_particles/particle_cuts.h"
+
+#include <utility>
+#include <vector>
+
+namespace deformable_surface::model {
+
+/// What is known of the bonds at rest. Particles are named by their ids, those of the initial state.
+///
+/// Along a bond with r = p_j - p_i, u_i = n_i.r, u_j = n_j.r, length l and rest values marked by 0
+///   e = |r| / l - 1,   c = (u_j - u_i - c0) / l^2,   s = (u_i + u_j) / 2 - s0
+/// are the strain, the change of curvature and the shear. Three bonds make a triangle of area A. Its e are the strains along
+/// three directions and so give the strain tensor, its c the curvature tensor:
+///   E = sum over triangles A/2 (e.M e + c.B c) + sum over bonds S/2 s^2,   M = T^-t C T^-1
+/// T: rows (cos^2, sin^2, cos sin) of the directions. C: of plane stress, for M with E h and Poisson's ratio, for B with the
+/// bending rigidity and Poisson's ratio of bending. So every constant strain and curvature has the energy of the plate, on any
+/// triangles. S = 12 D (1 - nu^2) sum A / l^4: with it a beam of one bond deflects by cubic functions exactly [MacNeal 1978]. The
+/// shear stiffness of the material would lock.
+struct KeptBonds {
+  struct Bond {
+    Index i, j;            // i < j at rest
+    double length;         // m, l
+    double shearing;       // N/m, S
+    double curve, height;  // m, c0 and s0
+  };
+  struct Triangle {
+    Index bond[3];  // edges 01, 12, 20 of the corners
+    WeightedTriangle corners;
+    Mat3 stretching, bending;  // A M, J; A B, J m^2
+  };
+  /// A pair without a bond that is nearer at rest than such pairs repel.
+  struct Close {
+    Index i, j;
+    double distance;  // m
+  };
+  std::vector<Bond> bonds;
+  std::vector<Triangle> triangles;
+  std::vector<Close> close;
+  std::vector<double> areas;  // (n) m^2
+  double inertia_by_mass;     // m^2, with which a particle turns back no faster than it moves back; at least h^2 / 12
+
+  /// From the state at rest of the initial particles.
+  KeptBonds(const State& rest, const std::vector<WeightedTriangle>& corners, std::vector<double> areas,
+            const MaterialParams& material, const OrientedParticlesParams& params);
+};
+
+/// The bonds that a population still has, as its forces read them. A bond without a whole triangle is none.
+class PresentBonds {
+ public:
+  /// O(n + bonds).
+  void update(const KeptBonds& kept, const std::vector<ParticleTraits>& traits, const ParticleCuts& cuts);
+
+  const std::vector<KeptBonds::Bond>& bonds() const { return bonds_; }
+  std::vector<WeightedTriangle> triangles() const;
+  bool areBound(Index i, Index j) const;
+  /// m, at rest, between two particles that have lost their bond or were close without; infinite for others.
+  double restDistance(Index i, Index j) const;
+  /// The particles bound to i.
+  const Index* begin(Index i) const { return others_.data() + begins_[i]; }
+  const Index* end(Index i) const { return others_.data() + begins_[i + 1]; }
+
+  /// Adds to forces (N) and torques (N m), (n x 3) each. Parallel.
+  void addForces(const PackedParticles& particles, Points& forces, Points& torques) const;
+  /// J. Parallel.
+  double findEnergy(const PackedParticles& particles) const;
+  /// Adds to moves and turns (n), 1/s^2, bounds of the rows of the stiffness, scaled by the roots of masses (kg) and inertias (kg
+  /// m^2).
+  void addRowBounds(const PackedParticles& particles, const std::vector<double>& masses, const std::vector<double>& inertias,
+                    std::vector<double>& moves, std::vector<double>& turns) const;
+
+ private:
+  // A bond in a state; slopes are those of the energy.
+  struct Deformed {
+    Vec3 r, ni, nj;
+    double distance, strain, curvature, shear;
+    double strength, smooth;  // factors of stretching and of the rest
+    Vec3 by_r;                // N
+    double by_ui, by_uj;      // N
+  };
+  struct Slopes {
+    double by_strain[3], by_curvature[3];
+  };
+  void deform(const PackedParticles& particles) const;
+
+  std::vector<KeptBonds::Bond> bonds_;  // by present numbers
+  std::vector<KeptBonds::Triangle> triangles_;
+  std::vector<KeptBonds::Close> unbound_;         // those that have lost their bond too; by i, then j
+  std::vector<Index> begins_, others_, numbers_;  // of each particle: the others and its bonds
+  std::vector<Index> side_begins_, sides_;        // of each bond: 3 t + edge of its triangles
+  mutable std::vector<Deformed> deformed_;        // scratch, by bonds
+  mutable std::vector<Slopes> slopes_;            // and by triangles
+};
+
+}  // namespace deformable_surface::model
