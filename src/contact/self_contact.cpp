@@ -94,7 +94,8 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
   forgetMotion();
   if (clearance_.prove(positions, velocities, time) && clearance_.isApart()) return false;
   for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = positions[i] + time * velocities[i];
-  const PairList::Reach reach{kWatched * list_.thickness(), 1.0, list_.usualReach()};
+  const double watched_by_all = kWatched * list_.thickness();
+  const PairList::Reach reach{watched_by_all, 1.0, watched_by_all + kLongest * list_.usualReach()};
   if (list_.areFar(positions, motion_, reach)) return false;
   list_.update(positions, motion_, reach);
   bool may_touch = false;
@@ -102,7 +103,6 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
     if (may_touch) return;
     const Closest closest = findClosest(pair, positions);
     const double distance = std::sqrt(closest.squaredDistance()), watched = kWatched * pair.thickness;
-    if (!(distance < list_.usualReach())) return;
     // The rate of the distance: a common rotation brings no parts nearer.
     double rate = 0.0;
     for (int v = 0; v < 4; ++v) rate += closest.weight[v] * closest.gap.dot(velocities[pair.vertices[v]]) / distance;

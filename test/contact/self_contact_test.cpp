@@ -306,6 +306,25 @@ TEST(SelfContact, OnlyPartsThatComeNearerMayTouch) {
       mayTouch([&](std::size_t i) { return i >= 25 ? Vec3(0.0, 80.0, 0.0).cross(sheets.points[i]) : Vec3(0.0, 0.0, 0.0); }));
 }
 
+// Springs that are off in the step in which parts meet come on with their energy in the next one. The thickness is up to a third
+// of the edges here, and the gap 1.8 thicknesses.
+TEST(SelfContact, PartsOfAnyThicknessThatComeNearerMayTouch) {
+  SelfContactParams params = kParams;
+  for (const double thickness : {0.002, 0.005, 0.0085}) {
+    params.thickness = thickness;
+    const test::Sheets sheets = test::makeSheets(2, 5, 1.8 * thickness, 0.0);
+    SelfContact contact = makeContact(sheets, spread(sheets.points, 25), params);
+    const auto mayTouch = [&](double speed) {
+      Points velocities(sheets.points.size(), Vec3::Zero());
+      for (std::size_t i = 25; i < velocities.size(); ++i) velocities[i].z() = -speed;
+      return contact.mayTouch(sheets.points, velocities, 0.01);
+    };
+    EXPECT_TRUE(mayTouch(40.0 * thickness)) << thickness;   // comes to 1.4 thicknesses
+    EXPECT_TRUE(mayTouch(170.0 * thickness)) << thickness;  // to 0.1
+    EXPECT_FALSE(mayTouch(10.0 * thickness)) << thickness;  // to 1.7
+  }
+}
+
 TEST(SelfContact, DoesNotDependOnWhatWasAskedBefore) {
   const test::Sheets sheets = test::makeSheets(3, 6, 0.0018, 0.0004);
   const Points rest = spread(sheets.points, 36);

@@ -45,7 +45,7 @@ class SelfContact {
   /// See SelfContactParams.
   void setRate(double rate) { params_.rate = rate; }
   /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
-  /// changing at its present rate. Checks only pairs that are nearer than PairList::usualReach().
+  /// changing at its present rate. Checks only pairs that are nearer than 1.5 thicknesses and four times PairList::usualReach().
   bool mayTouch(const Points& positions, const Points& velocities, double time);
   /// Whether no two parts cross on straight paths from before to after, (n x 3) m, nor are nearer than their thickness at the
   /// end. False also where 64 pieces of the paths do not tell, as for paths of hundreds of spacings.
