@@ -21,8 +21,8 @@ struct SelfContactParams {
   double damping = 0.05;          // of the springs, as a share of critical
   double friction = 0.0;          // Coulomb's coefficient of pairs that stick
   double kinetic_friction = 0.0;  // of pairs that slide, not above friction
-  bool hardens = false;           // springs become ever stiffer towards the least distance that limit() lets parts have, and all
-                                  // forces are continuous: for methods that search a balance
+  bool hardens = false;           // springs become ever stiffer towards the least distance that limit() allows, and damping sets
+                                  // in gradually: for methods that search a balance of forces
 };
 
 /// The contact force of one pair.
@@ -45,7 +45,7 @@ class SelfContact {
   /// See SelfContactParams.
   void setRate(double rate) { params_.rate = rate; }
   /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
-  /// changing at its present rate. Checks only pairs that are nearer than 1.5 thicknesses and four times PairList::usualReach().
+  /// changing at its present rate. Checks only pairs that are nearer than 1.5 thicknesses plus four times PairList::usualReach().
   bool mayTouch(const Points& positions, const Points& velocities, double time);
   /// Whether no two parts cross on straight paths from before to after, (n x 3) m, nor are nearer than their thickness at the
   /// end. False also where 64 pieces of the paths do not tell, as for paths of hundreds of spacings.
