@@ -78,7 +78,7 @@ double measureSquaredLength(const Vec3& d, const Vec3& n, const Vec3& m, bool is
   // Rounding must not make a component longer than the whole.
   const double straight = squared + std::min(off_plane, squared) * (1.0 / (scale * scale) - 1.0);
   const double squared_sine = 1.0 - cosine * cosine;
-  if (squared_sine < kNoCrease || (is_oriented && cosine < kFacingCosine && along_i > along_j)) return straight;
+  if (squared_sine < kNoCrease || (is_oriented && cosine < kFacingCosine)) return straight;
   // Over a crease: the way to the line in which the tangent planes meet, and on from it.
   const double way = square(std::abs(along_i) + std::abs(along_j)) + square(d.dot(n.cross(m)));
   return way < straight * squared_sine ? std::max(squared, way / squared_sine) : straight;
