@@ -23,6 +23,7 @@ constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
 // longest side, and can be empty only beside a gap. There collinear points would span triangles with almost no area, whose
 // stiffness grows as they get thinner.
 constexpr double kInnerGap = 3.02;
+const double kWidestCosine = std::cos(kInnerGap);
 // Neighbours that contain the members of nearly every star.
 constexpr Index kFirst = 16;
 // Of the longest link: up to about two spacings of an even sampling.
@@ -189,6 +190,16 @@ Lists makeSymmetric(const Points& positions, const Points& normals, const Lists&
   return ring;
 }
 
+// Whether the widest angle is beyond kInnerGap. The stars of the two other corners do not see it.
+bool isSliver(const Points& positions, const Index (&corner)[3]) {
+  for (int c = 0; c < 3; ++c) {
+    const Vec3 a = positions[corner[(c + 1) % 3]] - positions[corner[c]],
+               b = positions[corner[(c + 2) % 3]] - positions[corner[c]];
+    if (a.dot(b) < kWidestCosine * a.norm() * b.norm()) return true;
+  }
+  return false;
+}
+
 // Each triangle once, with the weights of all stars that hold it.
 std::vector<Triangle> gatherTriangles(const Points& positions, const Points& normals, const Lists& neighbors,
                                       const Stars& stars) {
@@ -220,12 +231,12 @@ std::vector<Triangle> gatherTriangles(const Points& positions, const Points& nor
         return std::tie(a.corner[1], a.corner[2]) < std::tie(b.corner[1], b.corner[2]);
       });
       auto out = first;
-      for (auto t = first; t != last; ++out) {
+      for (auto t = first; t != last;) {
         Triangle merged = *t;
         for (++t; t != last && t->corner[1] == merged.corner[1] && t->corner[2] == merged.corner[2]; ++t) {
           merged.weight += t->weight;
         }
-        *out = merged;
+        if (!isSliver(positions, merged.corner)) *out++ = merged;
       }
       next[i] = static_cast<Index>(out - triangles.begin());
       for (auto t = first; t != out; ++t) {

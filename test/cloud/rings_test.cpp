@@ -265,6 +265,19 @@ TEST(Rings, PointsInLineBesideAGapSpanNoSliver) {
   }
 }
 
+// As on a sharp crease whose normals are the mean of both faces': there only the row is near over the surface. As in a file, the
+// coordinates are rounded, so that the points lie beside the line.
+TEST(Rings, PointsInLineWhoseNormalsTurnSpanNoSliver) {
+  const Vec3 along = Vec3(0.7, 0.4, -0.6).normalized();
+  TestSurface row;
+  for (Index k = 0; k < 60; ++k) {
+    row.positions.push_back(((Vec3(-6.0, -12.0, -8.0) + 0.78 * k * along) * 1e8).array().round() * 1e-8);
+    const Vec3 turning(std::sin(0.9 * k), std::cos(1.7 * k), 0.5);
+    row.normals.push_back((turning - 0.9 * turning.dot(along) * along).normalized());
+  }
+  EXPECT_TRUE(build(row).triangles.empty());
+}
+
 TEST(Rings, CloudsWithoutASurfaceGiveNoTrianglesOrAreSound) {
   TestSurface line, pair, one, none, copies_apart;
   for (int i = 0; i < 50; ++i) line.add(Vec3(0.1 * i, 0.0, 0.0), Vec3::UnitZ());
