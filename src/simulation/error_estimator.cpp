@@ -2,7 +2,9 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 
 #include <algorithm>
 #include <atomic>
@@ -110,6 +112,7 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
       twin_(other.twin_->fork()),
       verlet_(other.verlet_ ? other.verlet_->fork() : nullptr),
       dents_(other.dents_),
+      depth_(other.depth_ ? std::make_unique<ToolDepth>(*other.depth_) : nullptr),
       seen_(other.seen_),
       coarse_now_(other.coarse_now_) {}
 
@@ -248,6 +251,18 @@ Buckling ErrorEstimator::judgeBuckling(const Dynamics& level) {
   return worst;
 }
 
+// Returns a sentence when a tool is first in the surface without a force on it.
+std::string ErrorEstimator::followTools(const Dynamics& level, double lasting) {
+  const bool has_tools = !level.loads().contact.isEmpty();
+  if (has_tools && !depth_) depth_ = std::make_unique<ToolDepth>(level);
+  seen_.depth = std::max(lasting * seen_.depth, has_tools ? depth_->measure(level) : 0.0);
+  const tool::ToolParams* const unfelt = has_tools && !seen_.has_unfelt ? depth_->findUnfelt(level, level_spacing_) : nullptr;
+  if (!unfelt) return "";
+  seen_.has_unfelt = true;
+  return "error_estimate is no bound until the next reset: tool " + quote(unfelt->id) +
+         " is in the surface, between the points that touch tools";
+}
+
 // Of few points two steps at once take less time than each on several threads.
 std::pair<Dynamics::Outcome, Dynamics::Outcome> ErrorEstimator::stepBoth(Dynamics& a, Dynamics& b) {
   stepped_.insert(stepped_.end(), {&a, &b});
@@ -318,6 +333,7 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   hold(seen_.space, kSpaceFactor * (is_body_ ? 1.0 : unresolved_) * apart);
   hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
   if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
+  std::string notice = followTools(level, lasting);
   hold(seen_.twin_distance, findLargestDistance(besideTwin().state().positions, twin_->state().positions));
 
   const bool was_chaotic = seen_.is_chaotic;
@@ -326,15 +342,21 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   seen_.may_buckle = seen_.may_buckle || seen_.is_chaotic;
   if (!seen_.has_dented && buckling == Buckling::kLikely) {
     seen_.has_dented = true;
-    return "error_estimate is no bound until the next reset: compressed, or loaded by a force, as the surface is, it may "
-           "buckle in dents too short for its points to show";
+    appendNotice(notice,
+                 "error_estimate is no bound until the next reset: compressed, or loaded by a force, as the surface is, it may "
+                 "buckle in dents too short for its points to show");
+    return notice;
   }
   if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
-    return "error_time is estimated against steps half as long from now on, not against Verlet's, which would need more than "
-           "integrator.max_substeps";
-  if (!seen_.is_chaotic || was_chaotic) return "";
-  return "error_estimate is no bound: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
-         " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
+    appendNotice(
+        notice,
+        "error_time is estimated against steps half as long from now on, not against Verlet's, which would need more than "
+        "integrator.max_substeps");
+  if (!seen_.is_chaotic || was_chaotic) return notice;
+  appendNotice(notice, "error_estimate is no bound: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
+                           " mm apart are " + std::to_string(1e3 * seen_.twin_distance) +
+                           " mm apart, as where a surface buckles or crumples");
+  return notice;
 }
 
 double ErrorEstimator::searchDisturbance() const { return kDisturbance * level_spacing_; }
@@ -369,7 +391,8 @@ double ErrorEstimator::measureTime(IntegratorType type) const {
 }
 
 bool ErrorEstimator::isBounded() const {
-  return !(seen_.is_lost || has_hinged_pins_ || seen_.is_chaotic || seen_.has_dented || seen_.has_others || seen_.is_unbalanced);
+  return !(seen_.is_lost || has_hinged_pins_ || seen_.is_chaotic || seen_.has_unfelt || seen_.has_dented || seen_.has_others ||
+           seen_.is_unbalanced);
 }
 
 // Copies that share what is wrong with the simulation say nothing: pins that hinge in both, and a search of all points that ended
@@ -377,7 +400,7 @@ bool ErrorEstimator::isBounded() const {
 double ErrorEstimator::total() const {
   const bool is_unknown = seen_.is_lost || has_hinged_pins_ || (seen_.is_unbalanced && !is_simplified_ && !is_body_);
   if (is_unknown) return std::numeric_limits<double>::infinity();
-  return seen_.space + seen_.transfer + seen_.time + seen_.others;
+  return std::max(seen_.space + seen_.transfer + seen_.time + seen_.others, kSpaceFactor * seen_.depth);
 }
 
 double ErrorEstimator::bound() const { return isBounded() ? total() : std::numeric_limits<double>::infinity(); }

@@ -9,6 +9,7 @@
 
 #include "dent_watch.h"
 #include "dynamics.h"
+#include "tool_depth.h"
 
 namespace deformable_surface::simulation {
 
@@ -88,6 +89,7 @@ class ErrorEstimator {
   struct Seen {
     double space = 0.0, transfer = 0.0, time = 0.0;  // m
     double twin_distance = 0.0;                      // m
+    double depth = 0.0;                              // m, of points in tools
     std::uint64_t steps = 0;
     std::uint64_t substeps = 0, shadow_substeps = 0, twin_substeps = 0;  // in steps that all took as they meant to
     bool follows_verlet = false;                                         // verlet_ has taken every step
@@ -95,6 +97,7 @@ class ErrorEstimator {
     bool is_lost = false, is_chaotic = false, has_dented = false;
     bool may_buckle = false;                        // chaotic, dented or with others, or nearly so, at any time
     bool is_unbalanced = false;                     // the last equilibrium is none
+    bool has_unfelt = false;                        // a tool was in the surface and pushed nothing
     bool has_searched = false, has_others = false;  // twice for the first equilibrium; and found more than one
     double others = 0.0;                            // m, how far away the other one is; infinite: it was not found
   };
@@ -107,6 +110,7 @@ class ErrorEstimator {
   const Dynamics& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
   Buckling judgeBuckling(const Dynamics& level);
+  std::string followTools(const Dynamics& level, double lasting);
 
   // Constants.
   bool is_body_ = false;                                // see CoarserLevel
@@ -125,6 +129,7 @@ class ErrorEstimator {
   std::unique_ptr<Dynamics> shadow_, twin_, verlet_;
 
   DentWatch dents_;
+  std::unique_ptr<ToolDepth> depth_;  // null: there was no tool yet
   Seen seen_;
   // State before the followed step, and the copies that have begun to take it.
   Seen seen_before_;

@@ -1,0 +1,97 @@
+#include "tool_depth.h"
+
+#include "deformable_surface/contact/closest_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "tool_reach.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+// Points in a cell at most. All others are then within about a fifth of the spacing of one of them.
+constexpr Index kWatched = 16;
+
+// Depth of a tool that counts as in the surface, over the spacing and over the tool's smallest extent. Tools are less deep when
+// they have just met it.
+constexpr double kUnfelt = 0.1, kInside = 0.25;
+constexpr int kProjections = 16;
+// Fractions of that depth: by which projections aim deeper, so that they get there in finitely many steps; and the least by which
+// each must come nearer.
+constexpr double kSlack = 0.1, kLeastGain = 0.01;
+
+Vec3 findClosest(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const std::array<double, 4> weight = contact::findClosestToTriangle(p, a, b, c).weight;
+  return -(weight[1] * a + weight[2] * b + weight[3] * c);
+}
+
+// Whether a place of the triangle is that deep in a convex solid: alternating projections onto both. Others may be missed.
+bool isInside(const geometry::Solid& shape, const tool::Pose& pose, const Vec3& a, const Vec3& b, const Vec3& c, double depth) {
+  Vec3 place = findClosest(pose.position, a, b, c);
+  const double reach = findRadius(shape);
+  if ((place - pose.position).squaredNorm() > reach * reach) return false;
+  const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+  double before = longest;  // farther away, no place of it is inside
+  for (int k = 0; k < kProjections; ++k) {
+    const geometry::SignedDistance d = tool::findSignedDistance(shape, pose, place, longest);
+    if (d.distance <= -depth) return true;
+    if (!(d.distance < before - kLeastGain * depth)) return false;
+    before = d.distance;
+    place = findClosest(place - (d.distance + (1.0 + kSlack) * depth) * d.normal, a, b, c);
+  }
+  return false;
+}
+
+std::shared_ptr<const transfer::SampledPoints> chooseWatched(const Dynamics& level) {
+  SceneParams params = level.params();
+  if (params.contact.cloud_points >= kWatched) return level.loads().contact.points().sharedBetween();
+  params.contact.cloud_points = kWatched;
+  return level.kind().makeBetween(params, level.rest());
+}
+
+}  // namespace
+
+ToolDepth::ToolDepth(const Dynamics& level) : ToolDepth(static_cast<std::size_t>(level.state().size()), chooseWatched(level)) {}
+
+ToolDepth::ToolDepth(std::size_t num_points, std::shared_ptr<const transfer::SampledPoints> between) : masses_(num_points, 1.0) {
+  contact_.setBetween(std::move(between));
+}
+
+double ToolDepth::measure(const Dynamics& level) {
+  bodies_ = level.loads().contact.all();
+  for (ContactLoad::Body& body : bodies_) body.pressed.clear();
+  contact_.restore(bodies_);
+  double deepest = 0.0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (bodies_[b].tool.mode != tool::Mode::kSolid) continue;
+    for (const ContactLoad::Touch& touch : contact_.findTouches(b, level.time(), level.state().positions))
+      if (!contact_.points().isHeld(touch.point, level.held())) deepest = std::max(deepest, -touch.distance);
+  }
+  return deepest;
+}
+
+const tool::ToolParams* ToolDepth::findUnfelt(const Dynamics& level, double spacing) const {
+  const ContactLoad& contact = level.loads().contact;
+  const Points& positions = level.state().positions;
+  for (std::size_t b = 0; b < contact.all().size(); ++b) {
+    const ContactLoad::Body& body = contact.all()[b];
+    if (body.tool.mode != tool::Mode::kSolid || body.tool.shape.kind == geometry::Solid::Kind::kPlane) continue;
+    if (!body.acts.value_or(false)) continue;
+    const auto& touches = contact.findTouches(b, level.time(), positions);
+    const auto isPushed = [&](const ContactLoad::Touch& touch) { return !contact.points().isHeld(touch.point, level.held()); };
+    if (std::any_of(touches.begin(), touches.end(), isPushed)) continue;
+    const double wanted = std::min(kUnfelt * spacing, kInside * geometry::findSmallestExtent(body.tool.shape));
+    const tool::Pose pose = tool::interpolate(body.tool.path, level.time());
+    for (const model::WeightedTriangle& t : trianglesOf(level.model())) {
+      const auto& [i, j, k] = t.corner;
+      const bool is_held = level.held()[i] && level.held()[j] && level.held()[k];
+      if (!is_held && isInside(body.tool.shape, pose, positions[i], positions[j], positions[k], wanted)) return &body.tool;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace deformable_surface::simulation
