@@ -71,6 +71,40 @@ double PressureLoad::estimateWork(double, double, const State& before, const Sta
   return work;
 }
 
+// With e_j the edge opposite to corner j, the force p/6 (x_1 - x_0) x (x_2 - x_0) on each corner changes by p/6 sum_j e_j x dx_j.
+// Summed over all triangles, the skew part of the derivative remains only at boundaries. The volume of a closed surface is
+// measured from the mean of its points, which is taken as fixed here: its motion matters only where the triangles do not quite
+// close.
+void PressureLoad::addIndefiniteStiffness(double, const State& state, BlockSparse& stiffness) const {
+  if (!model_.sides()) return;
+  const bool closed = isClosed(model_);
+  Vec3 apex = Vec3::Zero();
+  for (const Vec3& p : state.positions) apex += p / static_cast<double>(state.positions.size());
+  for (const model::WeightedTriangle& t : model_.sides()->triangles()) {
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      const Vec3 &a = state.positions[t.corner[i]], &b = state.positions[t.corner[j]], &c = state.positions[t.corner[k]];
+      const Vec3 e = pressure_ * t.weight / 6.0 * (c - (closed ? apex : Vec3(0.5 * (a + b))));
+      Mat3 block;
+      block << 0.0, -e.z(), e.y(), e.z(), 0.0, -e.x(), -e.y(), e.x(), 0.0;
+      stiffness.add(t.corner[i], t.corner[j], block);
+    }
+  }
+}
+
+void PressureLoad::addSkewProduct(double, const State& state, const Points& v, Points& product) const {
+  if (!hasSkewStiffness()) return;
+  for (const model::WeightedTriangle& t : model_.sides()->triangles()) {
+    Vec3 edges[3], sum = Vec3::Zero(), turned = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      edges[i] = state.positions[t.corner[(i + 2) % 3]] - state.positions[t.corner[(i + 1) % 3]];
+      sum += v[t.corner[i]];
+      turned += edges[i].cross(v[t.corner[i]]);
+    }
+    for (int i = 0; i < 3; ++i) product[t.corner[i]] -= pressure_ * t.weight / 12.0 * (edges[i].cross(sum) + turned);
+  }
+}
+
 void DragLoad::addForces(double, const State& state, Points& forces) const {
   computeAreaVectors(model_, state, area_);
   for (std::size_t i = 0; i < forces.size(); ++i) {

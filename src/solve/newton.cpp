@@ -17,6 +17,8 @@ constexpr double kLower = 0.25;       // of one that was: the least one that doe
 constexpr double kLoosest = 0.05;
 constexpr double kForcing = 0.9;          // times the square of the gradient's fall: residual of the next direction
 constexpr double kOversolved = 0.3;       // of the residual that ends the search: more accurate directions bring nothing
+constexpr double kSkew = 1e-3;            // of a direction: the error that is left where the matrix has a skew part
+constexpr int kMostSkew = 50;             // iterations for it; 20 suffice where both parts are equally large
 constexpr int kMaxShortenings = 30;       // of a direction that stops points; beyond it there is none
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
@@ -107,16 +109,52 @@ bool NewtonDescent::factorizeShifted(const System& system) {
   return definite;
 }
 
+// (K + c v v^T)^-1 by the formula of Sherman and Morrison.
+void NewtonDescent::applyInverse(const System& system, const State& state, Eigen::VectorXd& vector) {
+  factor_.solveInPlace(vector);
+  const double c = system.rankOneStiffness(state, rank_one_);
+  if (!(c > 0.0)) return;
+  const Eigen::Map<const Eigen::VectorXd> v(rank_one_.data()->data(), 3 * state.size());
+  response_ = v;
+  factor_.solveInPlace(response_);
+  vector -= response_ * (c * v.dot(vector) / (1.0 + c * v.dot(response_)));
+}
+
+// (S + A) x = b with S symmetric, A skew [Concus and Golub 1976]. left_ = b - (S + A) x is found without products by S.
+void NewtonDescent::solveWithSkew(const Problem& problem, const State& state) {
+  const Eigen::Index size = direction_.size();
+  found_.resize(state.size());
+  product_.resize(state.size());
+  Eigen::Map<Eigen::VectorXd> correction(found_.data()->data(), size);
+  const Eigen::Map<const Eigen::VectorXd> product(product_.data()->data(), size);
+  left_ = direction_;
+  former_left_.setZero(size);
+  solution_.setZero(size);
+  former_solution_.setZero(size);
+  double first = 0.0, before = 0.0, factor = 1.0;
+  for (int k = 0; k < kMostSkew; ++k) {
+    correction_ = left_;
+    applyInverse(problem.system, state, correction_);
+    const double squared = correction_.dot(left_);
+    if (k == 0) first = squared;
+    if (!(squared > kSkew * kSkew * first)) break;
+    factor = k == 0 ? 1.0 : 1.0 / (1.0 + squared / (before * factor));
+    before = squared;
+    correction = correction_;
+    problem.system.computeSkewProduct(problem.time, state, found_, product_);
+    former_left_ = (1.0 - factor) * former_left_ - factor * product;
+    former_left_.swap(left_);
+    former_solution_ += factor * (correction_ + solution_ - former_solution_);
+    former_solution_.swap(solution_);
+  }
+}
+
 void NewtonDescent::solveFactored(const Problem& problem, const State& state) {
-  solution_ = direction_;
-  factor_.solveInPlace(solution_);
-  // (K + c v v^T)^-1 by the formula of Sherman and Morrison.
-  const double c = problem.system.rankOneStiffness(state, rank_one_);
-  if (c > 0.0) {
-    const Eigen::Map<const Eigen::VectorXd> v(rank_one_.data()->data(), 3 * state.size());
-    response_ = v;
-    factor_.solveInPlace(response_);
-    solution_ -= response_ * (c * v.dot(solution_) / (1.0 + c * v.dot(response_)));
+  if (problem.system.hasSkewStiffness()) {
+    solveWithSkew(problem, state);
+  } else {
+    solution_ = direction_;
+    applyInverse(problem.system, state, solution_);
   }
   if (solution_.allFinite()) direction_ = solution_;
 }

@@ -72,6 +72,10 @@ class NewtonDescent {
   bool shorten(const System& system, const Points& positions);
   /// Solves with the factor. Where the result is not finite, direction_ stays the steepest descent.
   void solveFactored(const Problem& problem, const State& state);
+  /// Multiplies the vector by the inverse of the matrix without its skew part.
+  void applyInverse(const System& system, const State& state, Eigen::VectorXd& vector);
+  /// Sets solution_ to that of the matrix with its skew part.
+  void solveWithSkew(const Problem& problem, const State& state);
   /// The direction for a model with stiffness products. It is as accurate as the gradient has fallen since the last one
   /// [Eisenstat and Walker 1996], and as accurate as a direction that ends the search has to be.
   void solveByProducts(const Problem& problem, const State& state);
@@ -85,7 +89,9 @@ class NewtonDescent {
   BlockSparse stiffness_;
   BlockCholesky factor_;
   ProductSolver products_;
-  Points found_;                                 // by it
+  Points found_;                                                       // by it
+  Eigen::VectorXd correction_, left_, former_left_, former_solution_;  // (3 n), of solveWithSkew()
+  Points product_;
   double residual_ = 0.0, last_residual_ = 0.0;  // N, of the last evaluate(), and of the one that the last direction was of
   bool is_factor_good_ = false;                  // it is that of an exact matrix, and the whole of its last direction was taken
   bool is_first_matrix_ = true;                  // of this solution: its pattern is that of the state, whatever came before

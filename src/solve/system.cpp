@@ -199,6 +199,20 @@ void System::addStiffness(double time, const State& state, double step, model::H
   endIfInterrupted();
   if (const model::StiffnessMatrix* matrix = model_.stiffnessMatrix()) matrix->addStiffness(state, step, hessian, stiffness);
   for (const ExternalLoad* load : loads_) load->addStiffness(time, state, step, stiffness);
+  if (hessian == model::Hessian::kPositive) return;
+  for (const ExternalLoad* load : loads_) load->addIndefiniteStiffness(time, state, stiffness);
+}
+
+bool System::hasSkewStiffness() const {
+  return std::any_of(loads_.begin(), loads_.end(), [](const ExternalLoad* load) { return load->hasSkewStiffness(); });
+}
+
+void System::computeSkewProduct(double time, const State& state, const Points& v, Points& product) const {
+  clear(state.size(), product);
+  for (const ExternalLoad* load : loads_) load->addSkewProduct(time, state, v, product);
+  confine(product);
+  for (std::size_t i = 0; i < product.size(); ++i)
+    if (held_[i]) product[i].setZero();
 }
 
 void System::addFastStiffness(const State& state, BlockSparse& stiffness) const {

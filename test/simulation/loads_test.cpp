@@ -83,6 +83,46 @@ TEST(Pressure, InAClosedSurfaceHasNoNetForceAndAPotential) {
   checkPotential(load, still(s.points));
 }
 
+// The change of the forces along a displacement, against the matrix and its skew part. A closed surface has none. The triangles
+// of this one do not quite close.
+TEST(Pressure, HasTheDerivativeOfItsForces) {
+  for (const Surface& s : {makeSheet(9, 8, 1.0, 0.8, 0.2), makeSphere(300, 0.4)}) {
+    const MassSpring m = makeModel(s);
+    const simulation::PressureLoad load(m, 5.0);
+    const Index n = static_cast<Index>(s.points.size());
+    const State state = still(s.points);
+    Points way;
+    for (Index i = 0; i < n; ++i) way.emplace_back(std::sin(3.0 * i), std::cos(5.0 * i), std::sin(7.0 * i + 1.0));
+    const double h = 1e-5;
+    State ahead = state, behind = state;
+    for (Index i = 0; i < n; ++i) {
+      ahead.positions[i] += h * way[i];
+      behind.positions[i] -= h * way[i];
+    }
+    const Points forces_ahead = forcesOf(load, ahead), forces_behind = forcesOf(load, behind);
+    BlockSparse matrix;
+    matrix.begin(n);
+    load.addIndefiniteStiffness(0.0, state, matrix);
+    matrix.finish();
+    Eigen::VectorXd product;
+    matrix.multiply(Eigen::Map<const Eigen::VectorXd>(way[0].data(), 3 * n), product);
+    Points skew(n, Vec3::Zero());
+    load.addSkewProduct(0.0, state, way, skew);
+    double largest = 0.0, largest_skew = 0.0, work = 0.0;
+    for (Index i = 0; i < n; ++i) {
+      const Vec3 change = (forces_ahead[i] - forces_behind[i]) / (2.0 * h);
+      EXPECT_LT((Vec3(product.segment<3>(3 * i)) + skew[i] + change).norm(), s.isClosed() ? 5e-4 : 1e-6) << i;
+      largest = std::max(largest, change.norm());
+      largest_skew = std::max(largest_skew, skew[i].norm());
+      work += skew[i].dot(way[i]);
+    }
+    EXPECT_GT(largest, 0.5);
+    EXPECT_NEAR(work, 0.0, 1e-9);
+    EXPECT_EQ(load.hasSkewStiffness(), !s.isClosed());
+    EXPECT_EQ(largest_skew > 0.0, !s.isClosed());
+  }
+}
+
 TEST(Drag, BrakesTheNormalVelocityOnly) {
   const Surface s = makeSheet(9, 8, 1.0, 0.8);
   const MassSpring m = makeModel(s);

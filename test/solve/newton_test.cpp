@@ -46,6 +46,33 @@ TEST(NewtonDescent, EndsAQuadraticInOneWholeStep) {
   EXPECT_NEAR(d.state.positions[1].z(), -2.0 / 900.0, 1e-9);
 }
 
+// A force without a potential: the rate (N/m) times the distance from the z axis, around it.
+class Swirl : public solve::ExternalLoad {
+ public:
+  explicit Swirl(double rate) : rate_(rate) {}
+  void addForces(double, const State& state, Points& forces) const override {
+    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += rate_ * Vec3::UnitZ().cross(state.positions[i]);
+  }
+  void addSkewProduct(double, const State&, const Points& v, Points& product) const override {
+    for (std::size_t i = 0; i < v.size(); ++i) product[i] -= rate_ * Vec3::UnitZ().cross(v[i]);
+  }
+  bool hasSkewStiffness() const override { return true; }
+
+ private:
+  double rate_;
+};
+
+TEST(NewtonDescent, EndsInOneStepUnderALinearForceWithoutAPotential) {
+  const Oscillators model({4.0, 8.0}, 0.25);
+  const ConstantField field(model.masses(), Vec3(8.0, 0.0, 0.0));
+  const Swirl swirl(12.0);
+  Descent d(model, {&field, &swirl}, Points(2, Vec3::Zero()));
+  const double before = d.evaluate();
+  EXPECT_EQ(d.descend().fraction, 1.0);
+  EXPECT_LT(d.evaluate(), 1e-2 * before);
+  EXPECT_LT((d.state.positions[0] - 2.0 / 160.0 * Vec3(4.0, 12.0, 0.0)).norm(), 1e-3);
+}
+
 TEST(NewtonDescent, IsHeldBackByTheWeights) {
   const Oscillators model({4.0}, 0.25);
   Descent d(model, {}, {Vec3(1.0, 0.0, 0.0)});

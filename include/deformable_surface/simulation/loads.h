@@ -39,6 +39,9 @@ class PressureLoad : public solve::ExternalLoad {
   bool isConservative() const override { return isClosed(model_); }
   /// Exact by Simpson's rule: along a straight path the area is quadratic.
   double estimateWork(double from, double to, const State& before, const State& after) const override;
+  void addIndefiniteStiffness(double time, const State& state, BlockSparse& stiffness) const override;
+  void addSkewProduct(double time, const State& state, const Points& v, Points& product) const override;
+  bool hasSkewStiffness() const override { return !isEmpty() && model_.sides() && !isClosed(model_); }
   void setPressure(double pressure) { pressure_ = pressure; }
   bool isEmpty() const { return pressure_ == 0.0; }
 

@@ -36,6 +36,12 @@ class ExternalLoad {
   /// Adds a positive semidefinite approximation of minus the derivative of the forces: with respect to position, and divided by
   /// step with respect to velocity (step = 0: none).
   virtual void addStiffness(double /*time*/, const model::State& /*state*/, double /*step*/, BlockSparse& /*stiffness*/) const {}
+  /// Adds the rest of the symmetric part of minus the derivative with respect to position, which need not be semidefinite.
+  /// Without it Newton's iterations may need many more steps.
+  virtual void addIndefiniteStiffness(double /*time*/, const model::State& /*state*/, BlockSparse& /*stiffness*/) const {}
+  /// Adds the skew part of that derivative, of a load without a potential, times v (n x 3, m).
+  virtual void addSkewProduct(double /*time*/, const model::State& /*state*/, const Points& /*v*/, Points& /*product*/) const {}
+  virtual bool hasSkewStiffness() const { return false; }
 
   /// Adds upper bounds of the row sums of the derivatives with respect to position (N/m) and velocity (N s/m).
   virtual void addRowBounds(double /*time*/, const model::State& /*state*/, std::vector<double>& /*stiffness*/,

@@ -92,8 +92,11 @@ class System {
   /// See DeformableModel.
   double findStableStep(const State& state) const { return model_.findStableStep(state); }
 
-  /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
+  /// The symmetric part of -dF/dx - dF/dv / step on all points (also held ones).
   void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;
+  /// The skew part of -dF/dx, that of loads without a potential, times v; zero on held points, where v is zero.
+  bool hasSkewStiffness() const;
+  void computeSkewProduct(double time, const State& state, const Points& v, Points& product) const;
   /// The part of a model's fast forces alone (see SplitForces), positive semidefinite, without damping.
   void addFastStiffness(const State& state, BlockSparse& stiffness) const;
 
