@@ -38,6 +38,7 @@ COVERED = {
                                                  "all models share the tests of rules and traits"),
     "simulation/models/elastic_solid/rest_filled.cpp": (["simulation/filled_solid"], "the test has the name of the feature"),
     "simulation/models/elastic_solid/rest_solid.cpp": (["simulation/solid_simulation"], "the test has the name of the feature"),
+    "simulation/models/elastic_solid/skin.cpp": (["simulation/solid_contact"], "the test has the name of the feature"),
     "simulation/models/mass_spring/kind.cpp": (["simulation/model_kind", "simulation/scene_rules"],
                                                "all models share the tests of rules and traits"),
     "simulation/models/mass_spring/rest.cpp": (["simulation/rest_surface"], "the rest state is tested through its one entrance"),

@@ -57,14 +57,23 @@ std::vector<Edge> listEdges(Index n, const std::vector<Triangle>& triangles) {
   return edges;
 }
 
+std::vector<Index> listVertices(Index n, const std::vector<Edge>& edges, bool takes_lone_points) {
+  std::vector<char> is_listed(n, takes_lone_points ? 1 : 0);
+  for (const Edge& edge : edges) is_listed[edge[0]] = is_listed[edge[1]] = 1;
+  std::vector<Index> vertices;
+  for (Index i = 0; i < n; ++i)
+    if (is_listed[i] != 0) vertices.push_back(i);
+  return vertices;
+}
+
 }  // namespace
 
-PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double thickness)
+PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double thickness, bool takes_lone_points)
     : rest_(std::move(rest)),
       triangles_(triangles),
       thickness_(thickness),
       edges_(listEdges(static_cast<Index>(rest_.size()), triangles_)),
-      patches_(rest_, edges_, triangles_),
+      patches_(rest_, listVertices(static_cast<Index>(rest_.size()), edges_, takes_lone_points), edges_, triangles_),
       boxes_(boundAll(patches_, rest_)),
       tree_(boxes_),
       balls_(patches_.size()) {

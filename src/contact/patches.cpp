@@ -41,9 +41,10 @@ std::vector<std::vector<Index>> sortByPatch(const std::vector<std::array<Index, 
 
 }  // namespace
 
-Patches::Patches(const Points& rest, const std::vector<Edge>& edges, const std::vector<Triangle>& triangles) {
+Patches::Patches(const Points& rest, const std::vector<Index>& given, const std::vector<Edge>& edges,
+                 const std::vector<Triangle>& triangles) {
   std::vector<Item> vertices;
-  for (std::size_t i = 0; i < rest.size(); ++i) vertices.emplace_back(rest[i], static_cast<Index>(i));
+  for (const Index i : given) vertices.emplace_back(rest[i], i);
   std::vector<Index> begins;
   if (!vertices.empty()) split(vertices, 0, static_cast<Index>(vertices.size()), begins);
   const std::size_t num = begins.size();

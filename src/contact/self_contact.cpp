@@ -34,7 +34,7 @@ SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, st
                          const SelfContactParams& params)
     : clearance_(rest, triangles, kWatched * params.thickness),
       motion_(rest.size()),
-      list_(std::move(rest), triangles, params.thickness),
+      list_(std::move(rest), triangles, params.thickness, params.takes_lone_points),
       masses_(std::move(masses)),
       params_(params) {}
 

@@ -13,8 +13,10 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kContactRate = 0.45;     // of the highest frequency at rest: its square then grows by a fifth at most
-constexpr double kSelfContactRate = 0.1;  // the same: a point may be in contact with many triangles and edges
+constexpr double kContactRate = 0.45;  // of the highest frequency at rest: its square then grows by a fifth at most
+// The same: a point may be in contact with many triangles and edges. Behind each point of a body's skin there are others, whose
+// weight it bears.
+constexpr double kSelfContactRate = 0.1, kSkinContactRate = 0.2;
 
 Index nearestPoint(const Points& points, const Vec3& to) {
   Index nearest = 0;
@@ -41,14 +43,13 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
   if (params.contact.self) {
     contact::SelfContactParams meeting;
-    meeting.thickness = params.contact.thickness.valueOr(params.material.thickness);
+    meeting.thickness = findContactThickness(params, *rest_);
     meeting.friction = params.contact.friction;
     meeting.kinetic_friction = params.contact.kinetic_friction.valueOr(params.contact.friction);
     meeting.hardens =
         params.integrator.type == solve::IntegratorType::kImplicit || params.integrator.type == solve::IntegratorType::kStatic;
-    if (!made.meeting)
-      made.meeting =
-          std::make_shared<const std::vector<contact::Triangle>>(chooseContactTriangles(rest_->points, trianglesOf(*model_)));
+    meeting.takes_lone_points = kind_.traits().is_surface;
+    if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
     loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), meeting);
     system_.setMotionLimit(&loads_.self_contact->limit);
   }
@@ -209,7 +210,8 @@ bool Dynamics::hasContact(const std::vector<tool::ToolParams>& tools) const { re
 void Dynamics::setContactRate(double rate) {
   now_.contact_rate = rate;
   loads_.contact.setRate(rate);
-  if (loads_.self_contact) loads_.self_contact->contact.setRate(kSelfContactRate / kContactRate * rate);
+  if (loads_.self_contact)
+    loads_.self_contact->contact.setRate((kind_.traits().is_surface ? kSelfContactRate : kSkinContactRate) / kContactRate * rate);
 }
 
 // Contact as stiff as the surface's own stiffest motion at rest: the stable step then stays nearly the same. Done once,

@@ -147,7 +147,7 @@ class Dynamics {
   struct Made {
     std::shared_ptr<const RestSurface> rest;
     std::unique_ptr<model::DeformableModel> model;
-    SelfContactLoads::Triangles meeting;  // null: those of the model, which is not cut
+    std::shared_ptr<const ContactSkin> meeting;  // null: that of the model, which is not cut
   };
   static Made take(RestSurface&& rest);
   Dynamics(const SceneParams& params, Made made);

@@ -160,7 +160,7 @@ void Dynamics::beginSelfContact(double dt, std::string& notice) {
                              ") m: there the surface passes through itself");
   }
   if (steps_ == 0) {
-    const double share = findShareWithoutContact(rest_->points, trianglesOf(*model_), *loads_.self_contact->triangles());
+    const double share = loads_.self_contact->skin()->share_without;
     if (share > kNoContact)
       appendNotice(notice,
                    formatShort(100.0 * share) +

@@ -48,6 +48,10 @@ RestSurface ModelKind::copyCoarser(const SceneParams& params, const RestSurface&
   return s;
 }
 
+std::vector<model::WeightedTriangle> ModelKind::findSkin(const RestSurface&, const model::DeformableModel& model) const {
+  return trianglesOf(model);
+}
+
 std::shared_ptr<const transfer::SampledPoints> ModelKind::makeBetween(const SceneParams&, const RestSurface&) const {
   return nullptr;
 }

@@ -53,7 +53,8 @@ void requireModel(Fields& fields, const SceneParams& p) {
   fields.require(traits.has_springs || !(p.material.spring_damping > 0.0), "material.spring_damping",
                  "found " + formatReal(p.material.spring_damping) + " with a model that has no springs; accepted: 0");
   fields.require(traits.meets_itself || !p.contact.self, "contact.self",
-                 "found true, but only " + listModels(&ModelTraits::meets_itself) + " has triangles that meet; accepted: false");
+                 "found true with " + p.model +
+                     ", whose parts do not meet; accepted: false, or model: " + listModels(&ModelTraits::meets_itself));
   fields.require(
       traits.is_tuned || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
       "found a target, but only " + listModels(&ModelTraits::is_tuned) + " has its points chosen by the error; accepted: 0");

@@ -1,5 +1,8 @@
 #include "self_contact_load.h"
 
+#include "deformable_surface/simulation/model_kind.h"
+
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -9,6 +12,7 @@ namespace {
 constexpr double kAlone = 0.99;  // weight of a triangle whose Delaunay cell holds no other
 // Fraction of the length of the shorter edge: nearer edges without a common point belong to overlapping triangles.
 constexpr double kOverlap = 0.05;
+constexpr double kOfSpacing = 0.2;  // thickness of the skin of a solid, which has none of its own
 
 struct Edge {
   Index from, to;
@@ -98,20 +102,26 @@ std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const 
   return chosen;
 }
 
-double findShareWithoutContact(const Points& rest, const std::vector<model::WeightedTriangle>& triangles,
-                               const std::vector<contact::Triangle>& chosen) {
+ContactSkin::ContactSkin(const Points& rest, const std::vector<model::WeightedTriangle>& given)
+    : triangles(chooseContactTriangles(rest, given)) {
   const auto areaOf = [&](Index a, Index b, Index c) { return (rest[b] - rest[a]).cross(rest[c] - rest[a]).norm(); };
   double whole = 0.0, kept = 0.0;
-  for (const model::WeightedTriangle& t : triangles) whole += t.weight * areaOf(t.corner[0], t.corner[1], t.corner[2]);
-  for (const contact::Triangle& t : chosen) kept += areaOf(t[0], t[1], t[2]);
-  return whole > kept ? 1.0 - kept / whole : 0.0;
+  for (const model::WeightedTriangle& t : given) whole += t.weight * areaOf(t.corner[0], t.corner[1], t.corner[2]);
+  for (const contact::Triangle& t : triangles) kept += areaOf(t[0], t[1], t[2]);
+  share_without = whole > kept ? 1.0 - kept / whole : 0.0;
 }
 
-SelfContactLoads::SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses,
+double findContactThickness(const SceneParams& params, const RestSurface& rest) {
+  if (!params.contact.thickness.is_auto) return params.contact.thickness.value;
+  if (findModel(params.model).traits().is_surface) return params.material.thickness;
+  return kOfSpacing * std::sqrt(rest.area / static_cast<double>(rest.points.size()));
+}
+
+SelfContactLoads::SelfContactLoads(const Points& rest, std::shared_ptr<const ContactSkin> skin, const std::vector<double>& masses,
                                    const contact::SelfContactParams& params)
-    : contact(rest, *triangles, masses, params),
-      triangles_(std::move(triangles)),
-      is_whole_(triangles_->size(), 1),
+    : contact(rest, skin->triangles, masses, params),
+      skin_(std::move(skin)),
+      is_whole_(skin_->triangles.size(), 1),
       rubs_(params.friction > 0.0) {}
 
 void SelfContactLoads::followTriangles(const std::vector<model::WeightedTriangle>& now) {
@@ -120,8 +130,8 @@ void SelfContactLoads::followTriangles(const std::vector<model::WeightedTriangle
   for (const model::WeightedTriangle& t : now) present.push_back({t.corner[0], t.corner[1], t.corner[2]});
   std::sort(present.begin(), present.end());
   std::vector<char> is_whole;
-  is_whole.reserve(triangles_->size());
-  for (const contact::Triangle& t : *triangles_) is_whole.push_back(std::binary_search(present.begin(), present.end(), t));
+  is_whole.reserve(skin_->triangles.size());
+  for (const contact::Triangle& t : skin_->triangles) is_whole.push_back(std::binary_search(present.begin(), present.end(), t));
   if (is_whole == is_whole_) return;
   is_whole_ = std::move(is_whole);
   contact.keepWhole(is_whole_);

@@ -4,6 +4,7 @@
 
 #include "deformable_surface/contact/self_contact.h"
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/solve/external_load.h"
 #include "deformable_surface/solve/motion_limit.h"
 
@@ -17,10 +18,18 @@ namespace deformable_surface::simulation {
 /// triangulations: one of them is kept. At edges of scattered points, long triangles may lie across others: they are left out.
 std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const std::vector<model::WeightedTriangle>& triangles);
 
-/// Share of the surface's area that the chosen triangles do not have, 0 to 1. Large where triangles overlap that the model keeps:
-/// between layers nearer than two spacings or so, and on very uneven clouds.
-double findShareWithoutContact(const Points& rest, const std::vector<model::WeightedTriangle>& triangles,
-                               const std::vector<contact::Triangle>& chosen);
+/// What touches itself, chosen at rest before any cut.
+struct ContactSkin {
+  /// rest: (n) m; triangles: of the whole surface.
+  ContactSkin(const Points& rest, const std::vector<model::WeightedTriangle>& triangles);
+
+  std::vector<contact::Triangle> triangles;
+  double share_without;  // of the surface's area that these do not have, 0 to 1. Large where triangles overlap that the model
+                         // keeps: between layers nearer than two spacings or so, and on very uneven clouds
+};
+
+/// m: contact.thickness, or what `auto` stands for.
+double findContactThickness(const SceneParams& params, const RestSurface& rest);
 
 /// The springs that push near parts apart.
 class SelfContactLoad : public solve::ExternalLoad {
@@ -104,15 +113,13 @@ class SelfContactLimit : public solve::MotionLimit {
 /// Loads and limit of one surface.
 class SelfContactLoads {
  public:
-  using Triangles = std::shared_ptr<const std::vector<contact::Triangle>>;
-
-  /// rest: (n) m. triangles: chosen at rest, before any cut; masses: (n) kg. params: the rate is set later.
-  SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses,
+  /// rest: (n) m; masses: (n) kg. params: the rate is set later.
+  SelfContactLoads(const Points& rest, std::shared_ptr<const ContactSkin> skin, const std::vector<double>& masses,
                    const contact::SelfContactParams& params);
   SelfContactLoads(const SelfContactLoads&) = delete;
   SelfContactLoads& operator=(const SelfContactLoads&) = delete;
 
-  const Triangles& triangles() const { return triangles_; }
+  const std::shared_ptr<const ContactSkin>& skin() const { return skin_; }
   bool isCut() const { return std::count(is_whole_.begin(), is_whole_.end(), char{0}) > 0; }
   /// Leaves out what is no longer among the triangles of the surface.
   void followTriangles(const std::vector<model::WeightedTriangle>& now);
@@ -131,7 +138,7 @@ class SelfContactLoads {
   SelfContactLimit limit{contact};
 
  private:
-  const Triangles triangles_;
+  const std::shared_ptr<const ContactSkin> skin_;
   std::vector<char> is_whole_;  // (triangles)
   const bool rubs_;
   bool may_act_ = false;

@@ -26,15 +26,14 @@ constexpr double kThickContact = 1.5;  // spacings: at two a run took four times
 void checkContactThickness(const SceneParams& params, const RestSurface& surface, std::vector<std::string>& warnings) {
   if (!params.contact.self) return;
   const Points& rest = surface.points;
-  const OrAuto<double>& wanted = params.contact.thickness;
-  const double thickness = wanted.valueOr(params.material.thickness);
+  const double thickness = findContactThickness(params, surface);
   Eigen::AlignedBox3d box;
   for (const Vec3& p : rest) box.extend(p);
   const double extent = box.sizes().maxCoeff();
   if (thickness >= extent)
     throw InputError("contact.thickness: found " + formatShort(thickness) + " m" +
-                     (wanted.is_auto ? " (material.thickness)" : "") + "; accepted: below " + formatShort(extent) +
-                     " m, the largest extent of the surface");
+                     (params.contact.thickness.is_auto ? " (material.thickness)" : "") + "; accepted: below " +
+                     formatShort(extent) + " m, the largest extent of the surface");
   const double spacing = std::sqrt(surface.area / static_cast<double>(rest.size()));
   if (thickness > kThickContact * spacing)
     warnings.push_back(

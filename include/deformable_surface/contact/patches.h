@@ -11,11 +11,14 @@ namespace deformable_surface::contact {
 using Triangle = std::array<Index, 3>;
 using Edge = std::array<Index, 2>;  // the lower vertex first
 
-/// Every vertex, edge and triangle belongs to one patch. An edge and a triangle belong to the patch of their lowest vertex.
+/// Every vertex that is given, edge and triangle belongs to one patch. An edge and a triangle belong to the patch of their lowest
+/// vertex.
 class Patches {
  public:
-  /// rest: (n) m. Splits the vertices recursively at the median along the widest axis. Deterministic.
-  Patches(const Points& rest, const std::vector<Edge>& edges, const std::vector<Triangle>& triangles);
+  /// rest: (n) m. vertices: with all ends of the edges and corners of the triangles. Splits them recursively at the median along
+  /// the widest axis. Deterministic.
+  Patches(const Points& rest, const std::vector<Index>& vertices, const std::vector<Edge>& edges,
+          const std::vector<Triangle>& triangles);
 
   Index size() const { return static_cast<Index>(patches_.size()) - 1; }
 

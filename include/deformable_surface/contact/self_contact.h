@@ -23,6 +23,7 @@ struct SelfContactParams {
   double kinetic_friction = 0.0;  // of pairs that slide, not above friction
   bool hardens = false;           // springs become ever stiffer towards the least distance that limit() allows, and damping sets
                                   // in gradually: for methods that search a balance of forces
+  bool takes_lone_points = true;  // points without triangles at rest touch those of others; else they are no part of it
 };
 
 /// The contact force of one pair.

@@ -23,6 +23,12 @@ class ConvexCell {
 
   /// Its corners, each once per facet.
   const Points& corners() const { return corners_; }
+  /// Calls visit(label, first, last) for every facet: the range of its corners, counter-clockwise from outside.
+  template <class Visit>
+  void visitFacets(const Visit& visit) const {
+    for (std::size_t f = 0; f < labels_.size(); ++f)
+      visit(labels_[f], corners_.data() + first_[f], corners_.data() + first_[f + 1]);
+  }
 
  private:
   void endFacet(int label);

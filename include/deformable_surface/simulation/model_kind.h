@@ -97,6 +97,8 @@ class ModelKind {
   /// See copyCoarser(). By default a clone of the model.
   virtual RestSurface copyCoarser(const SceneParams& params, const RestSurface& of) const;
 
+  /// The triangles by which it meets itself (contact.self): by default those of the model.
+  virtual std::vector<model::WeightedTriangle> findSkin(const RestSurface& rest, const model::DeformableModel& model) const;
   /// Points of the cloud between the simulation points that touch tools, too (ContactPoints); null: none. They are made when the
   /// first tool comes.
   virtual std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const;

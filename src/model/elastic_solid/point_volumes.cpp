@@ -16,8 +16,6 @@ constexpr Index kClosest = 3;  // neighbours whose distances give the spacing: a
 constexpr double kNearest = 1e-4;
 // Of a cell's size squared: largest boundary area of a point below the surface whose cell just reaches it.
 constexpr double kGrazes = 0.1;
-// Of the spacing: no place in a body is farther from all of its points. With jitter of four tenths some are 1.27 away in a plane.
-constexpr double kEmpty = 1.4;
 // Of a cell: gaps that take a smaller share of it are dents between the points of a convex surface, some hundredths of it if its
 // radius is four spacings. If they take a larger share, the points are layers far apart.
 constexpr double kDent = 0.05, kLayer = 0.95;
@@ -151,9 +149,10 @@ double meanOver(const std::vector<double>& values, const Lists& neighbors, Index
   return sum / (1 + neighbors.count(i));
 }
 
-// The local spacing: that of as many cells in a lattice. Cells of slender bodies are all cut by the hull; the spacing is then at
-// least the distance to the nearest points.
-std::vector<double> findSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume, bool is_planar) {
+}  // namespace
+
+std::vector<double> findPointSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume,
+                                     bool is_planar) {
   const Index n = neighbors.size();
   std::vector<double> closest(n, 0.0), spacing(n, 0.0);
   for (Index i = 0; i < n; ++i) {
@@ -166,8 +165,6 @@ std::vector<double> findSpacing(const Points& points, const Lists& neighbors, co
   }
   return spacing;
 }
-
-}  // namespace
 
 PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across, Outline outline) {
   const bool is_planar = !across.isZero(0.0);
@@ -187,13 +184,13 @@ PointCells findPointCells(const Points& points, const Lists& neighbors, const Ve
 
   if (outline == Outline::kRough) return cells;
   // For points on the boundary: removes gaps.
-  const std::vector<double> spacing = findSpacing(points, neighbors, cells.volume, is_planar);
+  const std::vector<double> spacing = findPointSpacing(points, neighbors, cells.volume, is_planar);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     Cutter cutter(points, neighbors, across);
     for (Index i = begin; i < end; ++i) {
-      if (!(farthest[i] > kEmpty * spacing[i])) continue;
+      if (!(farthest[i] > kEmptySphere * spacing[i])) continue;
       cutter.moveTo(i);
-      if (!cutter.findGaps(kEmpty * spacing[i])) continue;
+      if (!cutter.findGaps(kEmptySphere * spacing[i])) continue;
       cutter.cut();
       if (!cutter.cutGaps()) continue;
       cells.volume[i] = cutter.volume();

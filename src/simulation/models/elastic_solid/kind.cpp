@@ -46,7 +46,7 @@ class ElasticSolidKind : public ModelKind {
   const char* name() const override { return "elastic_solid"; }
   ModelTraits traits() const override {
     ModelTraits traits;
-    traits.has_estimate = traits.is_prepared = true;
+    traits.has_estimate = traits.is_prepared = traits.meets_itself = true;
     return traits;
   }
   void visitOptions(Fields& fields, SceneParams& p) const override {
@@ -63,6 +63,9 @@ class ElasticSolidKind : public ModelKind {
     return makeSolidCopies(params, level);
   }
 
+  std::vector<model::WeightedTriangle> findSkin(const RestSurface& rest, const model::DeformableModel& model) const override {
+    return findSolidSkin(rest, static_cast<const ElasticSolid&>(model));
+  }
   std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams&,
                                               const model::DeformableModel& model) const override {
     return std::make_unique<SolidFollower>(rest, static_cast<const ElasticSolid&>(model));
