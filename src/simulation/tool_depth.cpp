@@ -30,10 +30,11 @@ Vec3 findClosest(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 // Whether a place of the triangle is that deep in a convex solid: alternating projections onto both. Others may be missed.
 bool isInside(const geometry::Solid& shape, const tool::Pose& pose, const Vec3& a, const Vec3& b, const Vec3& c, double depth) {
-  Vec3 place = findClosest(pose.position, a, b, c);
   const double reach = findRadius(shape);
-  if ((place - pose.position).squaredNorm() > reach * reach) return false;
   const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+  if ((a - pose.position).squaredNorm() > (reach + longest) * (reach + longest)) return false;
+  Vec3 place = findClosest(pose.position, a, b, c);
+  if ((place - pose.position).squaredNorm() > reach * reach) return false;
   double before = longest;  // farther away, no place of it is inside
   for (int k = 0; k < kProjections; ++k) {
     const geometry::SignedDistance d = tool::findSignedDistance(shape, pose, place, longest);
