@@ -52,6 +52,40 @@ TEST(ErrorEstimate, CoversTheDistanceFromTheFullSurfaceAndIsNotMuchLarger) {
   }
 }
 
+TEST(ErrorEstimate, CoversASheetThatFallsOnAnotherOne) {
+  SceneParams p;
+  p.material.young_modulus = 1e5;
+  p.material.damping = 2.0;
+  p.contact.self = true;
+  p.contact.thickness.is_auto = false;
+  p.contact.thickness.value = 0.02;
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-0.001, -1.0, -0.001);
+  pin.region.max = Vec3(0.101, 2.0, 0.001);
+  p.pins.push_back(pin);
+  pin.region.min.x() = 0.899;
+  pin.region.max.x() = 1.001;
+  p.pins.push_back(pin);
+  p.simplification.target_points = 200;
+  p.duration = 0.3;
+  const Index n = 21;
+  cloud::PointCloud cloud;
+  for (const double height : {0.0, 0.15})
+    for (Index k = 0; k < n * n; ++k) {
+      const double size = height > 0.0 ? 0.7 : 1.0, edge = 0.5 - 0.5 * size;
+      cloud.positions.emplace_back(edge + size * (k % n) / (n - 1), edge + size * (k / n) / (n - 1), height);
+    }
+  cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
+  Simulation s(p, cloud);
+  run(s, static_cast<int>(std::lround(p.duration / p.integrator.time_step)));
+  const simulation::Statistics statistics = s.statistics();
+  const double error = findLargestDistance(s.surface(false).positions, findTruth(p, cloud));
+  EXPECT_GT(statistics.self_contacts, 0u);
+  EXPECT_GT(error, 0.0);
+  EXPECT_LE(error, statistics.error_estimate);
+  EXPECT_LT(statistics.error_estimate, 25.0 * error);
+}
+
 TEST(ErrorEstimate, LeavesEveryBitOfTheResultAsItIs) {
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   p.simplification.target_points = 150;
