@@ -167,9 +167,18 @@ void SelfContact::addTurning(const Near& near, const Points& positions, Points& 
   forces[v[2]] -= on_b;
 }
 
-double SelfContact::findDamping(const Near& near) const {
-  if (!params_.hardens) return params_.damping;
-  return params_.damping * near.weight * std::min(1.0, (near.pair.thickness - near.distance) / (kDamped * near.pair.thickness));
+SelfContact::Damping SelfContact::findDamping(const Near& near) const {
+  if (!params_.hardens) return {params_.damping, 0.0};
+  const double full = kDamped * near.pair.thickness, depth = near.pair.thickness - near.distance;
+  const double damping = params_.damping * near.weight;
+  return depth < full ? Damping{damping * depth / full, damping / full} : Damping{damping, 0.0};
+}
+
+double SelfContact::findOpening(const Near& near, const Points& velocities) {
+  const Vec3 normal = near.closest.gap / near.distance;
+  double speed = 0.0;
+  for (int v = 0; v < 4; ++v) speed += near.closest.weight[v] * normal.dot(velocities[near.pair.vertices[v]]);
+  return speed;
 }
 
 // Linear; where it hardens plus the barrier -y^2 ln(1 - y) [Li 2020, eq. 6], here of the share y of the depth beyond a soft part.
@@ -210,9 +219,7 @@ void SelfContact::addDampingForces(const Points& positions, const Points& veloci
     if (!touches(near)) continue;
     const Pair& pair = near.pair;
     const Vec3 normal = near.closest.gap / near.distance;
-    double speed = 0.0;
-    for (int v = 0; v < 4; ++v) speed += near.closest.weight[v] * normal.dot(velocities[pair.vertices[v]]);
-    const Vec3 force = -2.0 * findDamping(near) * stiffness(pair) / params_.rate * speed * normal;
+    const Vec3 force = -2.0 * findDamping(near).share * stiffness(pair) / params_.rate * findOpening(near, velocities) * normal;
     for (int v = 0; v < 4; ++v) forces[pair.vertices[v]] += near.closest.weight[v] * force;
   }
 }
@@ -223,13 +230,16 @@ double SelfContact::potential(const Points& positions) {
   return sum;
 }
 
-void SelfContact::addStiffness(const Points& positions, double step, BlockSparse& stiffness_matrix) {
+void SelfContact::addStiffness(const Points& positions, const Points& velocities, double step, BlockSparse& stiffness_matrix) {
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
-    const double damping = step > 0.0 ? 2.0 * findDamping(near) / (params_.rate * step) : 0.0;
+    double along = findSpring(near).stiffness;
+    if (step > 0.0) {
+      const Damping damping = findDamping(near);
+      along += 2.0 * stiffness(near.pair) / params_.rate * (damping.share / step - damping.onset * findOpening(near, velocities));
+    }
     const Vec3 normal = near.closest.gap / near.distance;
-    const double along = findSpring(near).stiffness + damping * stiffness(near.pair);
-    addToMatrix(near, along * normal * normal.transpose(), stiffness_matrix);
+    addToMatrix(near, std::max(0.0, along) * normal * normal.transpose(), stiffness_matrix);
   }
 }
 

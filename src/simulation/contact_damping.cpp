@@ -6,10 +6,17 @@
 
 namespace deformable_surface::simulation {
 
-Vec3 ContactDamping::findForce(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const {
+double ContactDamping::findFull(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const {
   const Vec3 relative = contact_.points().findVelocity(touch.point, state.velocities) - motion.velocityAt(touch.position);
-  const double force = -coefficient(contact_.points().dampedMassOf(touch.point)) * relative.dot(touch.normal);
-  const double spring = touch.force.norm();
+  return -coefficient(contact_.points().dampedMassOf(touch.point)) * relative.dot(touch.normal);
+}
+
+double ContactDamping::springOf(const ContactLoad::Touch& touch) const {
+  return contact_.points().massOf(touch.point) * contact_.rate() * contact_.rate();
+}
+
+Vec3 ContactDamping::findForce(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const {
+  const double force = findFull(motion, state, touch), spring = touch.force.norm();
   return std::max(is_gradual_ ? std::min(force, spring) : force, -spring) * touch.normal;
 }
 
@@ -37,12 +44,24 @@ double ContactDamping::estimateWork(double from, double to, const model::State&,
   return work;
 }
 
+// Where the force equals that of the spring it has the spring's stiffness, on the way in, or cancels it, on the way out.
 void ContactDamping::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
-  const auto begin = [](const tool::ToolParams& tool) { return &tool; };
-  contact_.forEachRubbingTouch(time, state.positions, begin, [&](const tool::ToolParams*, const ContactLoad::Touch& touch) {
-    const double damping = coefficient(contact_.points().dampedMassOf(touch.point)) / step;
-    contact_.points().addStiffness(touch.point, damping * touch.normal * touch.normal.transpose(), stiffness);
+  const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, time); };
+  contact_.forEachRubbingTouch(time, state.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+    const double full = findFull(motion, state, touch), spring = touch.force.norm();
+    double along = coefficient(contact_.points().dampedMassOf(touch.point)) / step;
+    if (is_gradual_ && full > spring) along = springOf(touch);
+    if (full < -spring) along = 0.0;
+    contact_.points().addStiffness(touch.point, along * touch.normal * touch.normal.transpose(), stiffness);
+  });
+}
+
+void ContactDamping::addIndefiniteStiffness(double time, const model::State& state, BlockSparse& stiffness) const {
+  const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, time); };
+  contact_.forEachRubbingTouch(time, state.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+    const double along = findFull(motion, state, touch) < -touch.force.norm() ? -springOf(touch) : 0.0;
+    contact_.points().addStiffness(touch.point, along * touch.normal * touch.normal.transpose(), stiffness);
   });
 }
 

@@ -43,7 +43,7 @@ class SelfContactLoad : public solve::ExternalLoad {
   double potential(double, const model::State& state) const override { return contact_.potential(state.positions); }
   double storedEnergy(double, const model::State& state) const override { return contact_.potential(state.positions); }
   void addStiffness(double, const model::State& state, double step, BlockSparse& stiffness) const override {
-    contact_.addStiffness(state.positions, step, stiffness);
+    contact_.addStiffness(state.positions, state.velocities, step, stiffness);
   }
   void addRowBounds(double, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override {

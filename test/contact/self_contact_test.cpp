@@ -94,6 +94,43 @@ TEST(SelfContact, ForcesOfSpringsThatHardenAreContinuousAndStrongWhereMotionIsLi
   EXPECT_GT(measure(0.505 * t, false), 50.0 * measure(0.75 * t, false));
 }
 
+// Sheets that approach, rest or part slowly where damping sets in.
+TEST(SelfContact, StiffnessIsTheDerivativeOfSpringsAndOfDampingThatSetsIn) {
+  constexpr double kStep = 1e-3, kSmall = 1e-9;
+  SelfContactParams params = kParams;
+  params.hardens = true;
+  for (const double speed : {-0.1, 0.0, 0.01}) {
+    const test::Sheets sheets = test::makeSheets(2, 5, 0.95 * params.thickness, 0.0);
+    SelfContact contact = makeContact(sheets, spread(sheets.points, 25), params);
+    const auto findForce = [&](double moved) {
+      Points points = sheets.points, velocities(points.size(), Vec3::Zero()), forces = velocities;
+      for (std::size_t i = 25; i < points.size(); ++i) {
+        points[i].z() += moved;
+        velocities[i].z() = speed + moved / kStep;
+      }
+      contact.addForces(points, forces);
+      contact.addDampingForces(points, velocities, forces);
+      double sum = 0.0;
+      for (std::size_t i = 25; i < forces.size(); ++i) sum += forces[i].z();
+      return sum;
+    };
+    const double slope = (findForce(kSmall) - findForce(-kSmall)) / (2.0 * kSmall);
+    Points velocities(sheets.points.size(), Vec3::Zero());
+    Eigen::VectorXd up = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(sheets.points.size())), product;
+    for (std::size_t i = 25; i < velocities.size(); ++i) {
+      velocities[i].z() = speed;
+      up[3 * static_cast<Eigen::Index>(i) + 2] = 1.0;
+    }
+    BlockSparse matrix;
+    matrix.begin(static_cast<Index>(sheets.points.size()));
+    contact.addStiffness(sheets.points, velocities, kStep, matrix);
+    matrix.finish();
+    matrix.multiply(up, product);
+    EXPECT_LT(slope, 0.0);
+    EXPECT_NEAR(up.dot(product), -slope, 1e-4 * std::abs(slope)) << speed;
+  }
+}
+
 TEST(SelfContact, PartsUpToOneAndAHalfThicknessesApartMayTouch) {
   for (const double gap : {0.9, 1.2, 1.4, 1.6, 3.0}) {
     const test::Sheets sheets = test::makeSheets(2, 5, gap * kParams.thickness, 0.0);

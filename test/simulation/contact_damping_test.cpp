@@ -60,6 +60,29 @@ TEST(ContactDamping, SetsInWithTheSpringIfItIsGradual) {
   }
 }
 
+// On the way in, slowly and limited by the spring, and on the way out, where it cancels the spring.
+TEST(ContactDamping, HasTheDerivativeOfItsForce) {
+  constexpr double kStep = 0.01, kSmall = 1e-7;
+  for (const auto& [speed, is_gradual] : {std::pair(-0.01, true), {-1.0, true}, {-1.0, false}, {10.0, true}, {10.0, false}}) {
+    const auto findForce = [&, speed = speed, is_gradual = is_gradual](double moved) {
+      const Touching there(makeTable(0.3), -1e-3 + moved, speed + moved / kStep);
+      Points forces(1, Vec3::Zero());
+      simulation::ContactDamping(there.contact, is_gradual).addForces(0.0, there.state, forces);
+      return forces[0].z();
+    };
+    const Touching at(makeTable(0.3), -1e-3, speed);
+    const simulation::ContactDamping damping(at.contact, is_gradual);
+    BlockSparse matrix;
+    matrix.begin(1);
+    damping.addStiffness(0.0, at.state, kStep, matrix);
+    damping.addIndefiniteStiffness(0.0, at.state, matrix);
+    matrix.finish();
+    const double slope = (findForce(kSmall) - findForce(-kSmall)) / (2.0 * kSmall);
+    EXPECT_GT(std::abs(slope), 100.0);
+    EXPECT_NEAR(matrix.values()[0](2, 2), -slope, 1e-4 * std::abs(slope)) << speed;
+  }
+}
+
 TEST(ContactDamping, ContactWithoutFrictionHasNone) {
   const Touching in(makeTable(0.0), -1e-3, -0.01);
   EXPECT_TRUE(in.damping.isEmpty());

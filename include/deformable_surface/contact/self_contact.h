@@ -58,9 +58,9 @@ class SelfContact {
   void addDampingForces(const Points& positions, const Points& velocities, Points& forces);
   /// Potential of the springs, J.
   double potential(const Points& positions);
-  /// Adds minus the derivative of the spring forces along their gaps, N/m, and that of the damping with respect to velocity over
-  /// step (s; 0 = none). Both are positive semidefinite.
-  void addStiffness(const Points& positions, double step, BlockSparse& stiffness);
+  /// Adds minus the derivative of the forces of springs and damping along their gaps, N/m: with respect to position, and with
+  /// respect to velocity over step (s; 0: no damping). Positive semidefinite.
+  void addStiffness(const Points& positions, const Points& velocities, double step, BlockSparse& stiffness);
   /// Adds upper bounds of the row sums of the derivatives of all forces with respect to position (N/m) and velocity (N s/m).
   void addRowBounds(const Points& positions, std::vector<double>& stiffness, std::vector<double>& damping);
 
@@ -137,8 +137,12 @@ class SelfContact {
     double energy, force, stiffness;  // J, N, N/m
   };
   Spring findSpring(const Near& near) const;
-  /// Share of critical damping.
-  double findDamping(const Near& near) const;
+  struct Damping {
+    double share, onset;  // of critical damping; its derivative by the depth, 1/m
+  };
+  Damping findDamping(const Near& near) const;
+  /// Of the gap, m/s.
+  static double findOpening(const Near& near, const Points& velocities);
   /// See Near::weight.
   double weigh(const Pair& pair, const Points& positions) const;
   /// Adds the forces that turn nearly parallel edges: their weight depends on the angle.

@@ -24,6 +24,7 @@ class ContactDamping : public solve::ExternalLoad {
   /// Dissipative, except where a tool moves along n with speed V: its power is then at most c V^2 / 4.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
+  void addIndefiniteStiffness(double time, const model::State& state, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override;
 
@@ -32,6 +33,10 @@ class ContactDamping : public solve::ExternalLoad {
 
  private:
   double coefficient(double mass) const { return 2.0 * kShare * mass * contact_.rate(); }  // c, N s/m
+  /// c v, N.
+  double findFull(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const;
+  /// m r^2, N/m.
+  double springOf(const ContactLoad::Touch& touch) const;
   Vec3 findForce(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const;
 
   const ContactLoad& contact_;
