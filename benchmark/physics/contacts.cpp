@@ -32,14 +32,15 @@ class PressedRing {
   static constexpr double kFirstPressure = 3.7;  // of the shape from which all begin
 
   PressedRing(const Variant& variant, double spacing) : ring_(makeScene(), sampleRing(1.0, kWidth, spacing), variant) {
-    // One line of points is a hinge: without it nothing would hold the ring against rounding.
+    // One line of points is a hinge.
     ring_.hold([](const Vec3& rest) { return rest.x() > 1.0 - 1e-9; });
     // The same buckled shape for all pressures.
     const std::vector<Vec2> quarter = solveRing(kFirstPressure, kGap).quarter;
     Points buckled = ring_.rest();
     for (Vec3& p : buckled) {
-      const double share = 2.0 / kPi * std::atan2(std::abs(p.z()), std::abs(p.x()));
-      const Vec2& place = quarter[std::lround(share * (quarter.size() - 1))];
+      const double at = 2.0 / kPi * std::atan2(std::abs(p.z()), std::abs(p.x())) * static_cast<double>(quarter.size() - 1);
+      const std::size_t k = std::min(quarter.size() - 2, static_cast<std::size_t>(at));
+      const Vec2 place = quarter[k] + (at - static_cast<double>(k)) * (quarter[k + 1] - quarter[k]);
       p = Vec3(std::copysign(place.x(), p.x()) + 1.0 - quarter[0].x(), p.y(), std::copysign(place.y(), p.z()));
     }
     ring_.place(buckled);
@@ -58,9 +59,18 @@ class PressedRing {
     now_ = ring_.now();
   }
   double halfHeight() const { return fitMiddle()[0]; }
+  /// Of the contact, over the width, N/m.
+  double force() {
+    double sum = 0.0;
+    for (const simulation::SelfTouch& touch : ring_.simulation().selfTouches()) sum += std::abs(touch.force.z());
+    return sum / kWidth;
+  }
 
  private:
-  static constexpr double kWidth = 0.2;   // m
+  static constexpr double kWidth = 0.2;  // m
+  // N/m^2, along the ring's long axis: it would swing about its hinge, and its shape move around it, in any balance. Twice the
+  // weight changes the pressures of the free ring by 0.05 %.
+  static constexpr double kWeight = 4e-3;
   static constexpr double kFitted = 4.5;  // spacings on both sides of the middle
 
   static simulation::SceneParams makeScene() {
@@ -70,6 +80,7 @@ class PressedRing {
     scene.material.poisson_ratio = 0.0;
     scene.material.young_modulus = 12.0 / std::pow(scene.material.thickness, 3);
     scene.material.bending_rigidity = 1.0;
+    scene.gravity.x() = -kWeight / (scene.material.density * scene.material.thickness);
     scene.contact.self = true;
     scene.contact.thickness = kGap;
     return scene;
@@ -110,6 +121,34 @@ Answer pressRing(double half_height, const Variant& variant, double spacing) {
   const double pressure = findRingPressure(half_height);
   ring.settle(pressure);
   return compare(ring.size(), findRingPressure(ring.halfHeight()), pressure);
+}
+
+// The forces of contact at some pressures, in ascending order.
+std::vector<double> findRingForces(PressedRing& ring, const std::vector<double>& pressures) {
+  for (const double pressure : {4.3, 4.9, 5.1}) ring.settle(pressure);
+  std::vector<double> forces;
+  for (const double pressure : pressures) {
+    ring.settle(pressure);
+    forces.push_back(ring.force());
+  }
+  return forces;
+}
+
+// Where the force of contact, which grows nearly in proportion, would begin.
+Answer meetInRing(const Variant& variant, double spacing) {
+  PressedRing ring(variant, spacing);
+  const std::vector<double> forces = findRingForces(ring, {5.3, 5.4});
+  return compare(ring.size(), 5.3 - 0.1 * forces[0] / (forces[1] - forces[0]), findRingPressure(0.5 * PressedRing::kGap));
+}
+
+// The exact ring needs that pressure for the force of contact that is found.
+Answer pressRingTogether(double pressure, const Variant& variant, double spacing) {
+  constexpr double kAside = 0.01;  // the force is almost linear over so little
+  PressedRing ring(variant, spacing);
+  const double force = findRingForces(ring, {5.4, 6.3, pressure}).back();
+  const double low = solveRing(pressure - kAside, PressedRing::kGap).force;
+  const double high = solveRing(pressure + kAside, PressedRing::kGap).force;
+  return compare(ring.size(), pressure + kAside * (2.0 * force - low - high) / (high - low), pressure);
 }
 
 // A sheet of rigidity and weight per area 1, folded over itself on a table: its layers are the gap apart.
@@ -316,6 +355,16 @@ std::vector<Problem> listContacts() {
     std::snprintf(name, sizeof name, "pressed ring, half height %g R", half_height);
     ring.name = name;
     ring.run = [half_height](const Variant& variant, double spacing) { return pressRing(half_height, variant, spacing); };
+    list.push_back(ring);
+  }
+  ring.name = "pressed ring, first contact";
+  ring.run = meetInRing;
+  list.push_back(ring);
+  for (const double pressure : {6.3, 7.8}) {
+    char name[64];
+    std::snprintf(name, sizeof name, "pressed ring, force of contact at %g", pressure);
+    ring.name = name;
+    ring.run = [pressure](const Variant& variant, double spacing) { return pressRingTogether(pressure, variant, spacing); };
     list.push_back(ring);
   }
 
