@@ -136,8 +136,8 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     body.passed.swap(scratch_);
     any = any || !body.passed.empty();
   }
-  if (!grows_)
-    for (Body& body : bodies_) body.pressed.clear();
+  for (Body& body : bodies_)
+    if (!grows_ && (!body.pressed.empty() || points_.between())) any = easeAlone(time, step, state.positions, held, body) || any;
   forgetTouches();
   return any || has_new_detour_;
 }
@@ -195,6 +195,7 @@ void ContactLoad::takePart(const ContactLoad& whole, const std::vector<Index>& n
   points_.takePart(whole.points_, new_index);
   renumber(new_index);
   setRate(whole.rate_);
+  setStiffening(whole.stiffening_);
 }
 
 void ContactLoad::renumber(const std::vector<Index>& new_index) {
@@ -205,10 +206,10 @@ void ContactLoad::renumber(const std::vector<Index>& new_index) {
       if (new_index[passed.point] >= 0) body.passed[kept++] = {new_index[passed.point], passed.entry};
     body.passed.resize(kept);
     std::sort(body.passed.begin(), body.passed.end(), [](const Passed& a, const Passed& b) { return a.point < b.point; });
-    if (points_.between()) body.pressed.clear();  // of parts, in motion: nothing grows
+    const std::vector<Index>& new_number = points_.between() ? points_.numberInPart() : new_index;
     kept = 0;
     for (const Pressed& pressed : body.pressed)
-      if (new_index[pressed.point] >= 0) body.pressed[kept++] = {new_index[pressed.point], pressed.growth};
+      if (new_number[pressed.point] >= 0) body.pressed[kept++] = {new_number[pressed.point], pressed.growth};
     body.pressed.resize(kept);
     std::sort(body.pressed.begin(), body.pressed.end(), [](const Pressed& a, const Pressed& b) { return a.point < b.point; });
   }

@@ -42,7 +42,13 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
   return !is_flat || between.height(cell) > kFlat * between.radius(cell);
 }
 
+constexpr double kAhead = 30.0;    // time over 1 / rate, in which a portion of sub-steps passes (solve/time_march.cpp)
+constexpr double kDeeper = 0.01;   // of the radius of a cell: less is not deeper
+constexpr double kEased = 0.1;     // of that depth: as good as none
 constexpr double kSettled = 0.01;  // of the largest growth: smaller changes need no new equilibrium
+
+bool isBelow(const ContactLoad::Pressed& a, Index point) { return a.point < point; }
+bool isBefore(const ContactLoad::Pressed& a, const ContactLoad::Pressed& b) { return a.point < b.point; }
 
 constexpr Index kLook = 1024;  // points between two checks for an interrupt: milliseconds, also for tools of many triangles
 
@@ -94,7 +100,7 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
   if (!body.acts.value_or(tool::isActive(tool, time))) return;
   const tool::Pose pose = tool::interpolate(tool.path, time);
   const bool pushing = tool::isPushing(tool);
-  const double per_mass = pushing ? rate_ * rate_ : tool.strength / points_.totalMass();
+  const double per_mass = pushing ? stiffening_ * rate_ * rate_ : tool.strength / points_.totalMass();
   const double radius = findRadius(tool.shape), ball = kBallMargin * (radius + (pushing ? 0.0 : tool.reach));
   const double squared_ball = ball * ball;
   const transfer::SampledPoints* const between = pushing ? points_.between() : nullptr;
@@ -123,15 +129,15 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
       is_held_up = tool::isHeldUp(tool.shape, entry, place, d);
       if (is_held_up) d = {entry.heightOf(place), pose.orientation * entry.normal};
     }
+    const double stiffness = per_mass * points_.massOf(i);
     if (!pushing) {
       if (!(std::abs(d.distance) < tool.reach)) continue;
-      const double force = per_mass * points_.massOf(i) * attractionForce(d.distance, tool.reach);
-      touches.push_back({i, positions[i], d.distance, d.normal, force * d.normal, 0.0});
+      const double force = stiffness * attractionForce(d.distance, tool.reach);
+      touches.push_back({i, positions[i], d.distance, d.normal, force * d.normal, 0.0, stiffness});
       continue;
     }
     const double depth = (is_held_up ? 0.0 : growth) - d.distance;
-    if (depth > 0.0)
-      touches.push_back({i, positions[i], d.distance, d.normal, per_mass * points_.massOf(i) * depth * d.normal, depth});
+    if (depth > 0.0) touches.push_back({i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness});
   }
   if (between) listTouchesBetween(body, pose, positions, largest_growth, touches);
 }
@@ -141,21 +147,99 @@ void ContactLoad::listTouchesBetween(const Body& body, const tool::Pose& pose, c
                                      std::vector<Touch>& touches) const {
   const transfer::SampledPoints& between = *points_.between();
   Index looked = 0;
-  auto pressed = std::lower_bound(body.pressed.begin(), body.pressed.end(), points_.numSimulated(),
-                                  [](const Pressed& a, Index p) { return a.point < p; });
+  auto pressed = std::lower_bound(body.pressed.begin(), body.pressed.end(), points_.numSimulated(), isBelow);
   for (const NearCell& near : near_)
     for (Index s = between.begin(near.cell); s < between.end(near.cell); ++s) {
       const Index p = points_.numSimulated() + s;
       if (!(near.distance < between.share(s) * near.reach + largest_growth) || points_.isSevered(p)) continue;
-      endIfInterrupted(looked++, kLook);
       while (pressed != body.pressed.end() && pressed->point < p) ++pressed;
-      const double growth = pressed != body.pressed.end() && pressed->point == p ? pressed->growth : 0.0;
+      const bool is_pressed = pressed != body.pressed.end() && pressed->point == p;
+      if (between.isSpare(s) && !is_pressed) continue;
+      endIfInterrupted(looked++, kLook);
+      const double growth = is_pressed ? pressed->growth : 0.0;
+      const bool is_alone = is_pressed && !grows_;
       const Vec3 position = points_.place(p, positions);
-      const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, growth);
+      const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, std::max(growth, 0.0));
       const double depth = growth - d.distance;
-      if (depth > 0.0)
-        touches.push_back({p, position, d.distance, d.normal, rate_ * rate_ * points_.massOf(p) * depth * d.normal, depth});
+      if (!(depth > 0.0)) continue;
+      const double stiffness = rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p));
+      touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness});
     }
+}
+
+// Writes the points between that need springs of their own into spare_: of each cell the spare point that is deeper than the
+// others, or the touching one that is. After listTouches(), whose near cells it takes.
+void ContactLoad::chooseAlone(const Body& body, double time, const Points& positions, const std::vector<char>& held,
+                              const std::vector<Touch>& touches) {
+  spare_.clear();
+  const transfer::SampledPoints* const between = points_.between();
+  if (!between || near_.empty()) return;
+  deepest_.assign(positions.size(), {});
+  auto pressed = body.pressed.begin();
+  for (const Touch& touch : touches) {
+    while (pressed != body.pressed.end() && pressed->point < touch.point) ++pressed;
+    if (points_.isBetween(touch.point) && pressed != body.pressed.end() && pressed->point == touch.point) continue;
+    Deepest& deepest = deepest_[points_.simulationPointOf(touch.point)];
+    const double depth = -touch.distance;
+    deepest.next = std::max(deepest.next, std::min(depth, deepest.depth));
+    if (depth > deepest.depth) deepest.point = touch.point;
+    deepest.depth = std::max(deepest.depth, depth);
+  }
+  // Beside a point that the tool has passed over, the shortest way out is the wrong one.
+  for (const Passed& passed : body.passed) deepest_[passed.point].depth = std::numeric_limits<double>::infinity();
+  const tool::Pose pose = tool::interpolate(body.tool.path, time);
+  const Index m = points_.numSimulated();
+  Index looked = 0;
+  for (const NearCell& near : near_) {
+    const Deepest& deepest = deepest_[near.cell];
+    const double more = kDeeper * between->radius(near.cell);
+    Pressed chosen{-1, deepest.depth + more};
+    auto known = std::lower_bound(body.pressed.begin(), body.pressed.end(), m + between->begin(near.cell), isBelow);
+    for (Index s = between->begin(near.cell); s < between->end(near.cell); ++s) {
+      while (known != body.pressed.end() && known->point < m + s) ++known;
+      const bool is_known = known != body.pressed.end() && known->point == m + s;
+      if (!between->isSpare(s) || is_known || !(near.distance < between->share(s) * near.reach)) continue;
+      endIfInterrupted(looked++, kLook);
+      const double depth = -tool::findSignedDistance(body.tool.shape, pose, points_.place(m + s, positions), 0.0).distance;
+      if (depth > chosen.growth && !points_.isSevered(m + s) && !points_.isHeld(m + s, held)) chosen = {m + s, depth};
+    }
+    const bool is_one_deep = points_.isBetween(deepest.point) && deepest.depth > deepest.next + more;
+    if (chosen.point < 0 && is_one_deep && std::isfinite(deepest.depth)) chosen = {deepest.point, deepest.depth};
+    if (chosen.point >= 0) spare_.push_back(chosen);
+  }
+}
+
+// In motion, before a step: chosen points that are outside are free again, the surface comes back to those from which it has
+// withdrawn, and new ones are chosen. Returns whether anything has changed.
+bool ContactLoad::easeAlone(double time, double step, const Points& positions, const std::vector<char>& held, Body& body) {
+  bool has_changed = false;
+  body.pressed.reserve(points_.size());
+  spare_.reserve(positions.size());
+  const double left = std::exp(-step / kEase);
+  const tool::Pose pose = tool::interpolate(body.tool.path, time);
+  std::size_t kept = 0;
+  for (Pressed pressed : body.pressed) {
+    if (!points_.isBetween(pressed.point)) continue;
+    const double small = kDeeper * points_.between()->radius(points_.simulationPointOf(pressed.point));
+    if (!(tool::findSignedDistance(body.tool.shape, pose, points_.place(pressed.point, positions), small).distance < small))
+      continue;
+    const double growth = pressed.growth < -kEased * small ? left * pressed.growth : 0.0;
+    has_changed = has_changed || growth != pressed.growth;
+    body.pressed[kept++] = {pressed.point, growth};
+  }
+  has_changed = has_changed || kept != body.pressed.size();
+  body.pressed.resize(kept);
+  if (!*body.acts || !tool::isPushing(body.tool)) return has_changed;
+  listTouches(body, time, positions, pressing_);
+  chooseAlone(body, time, positions, held, pressing_);
+  if (spare_.empty()) return has_changed;
+  for (const Pressed& chosen : spare_) {
+    // The force on it stays.
+    const double share = points_.isSpare(chosen.point) ? 0.0 : points_.massOf(chosen.point) / points_.ownMassOf(chosen.point);
+    body.pressed.push_back({chosen.point, (share - 1.0) * chosen.growth});
+  }
+  std::sort(body.pressed.begin(), body.pressed.end(), isBefore);
+  return true;
 }
 
 // Writes what the growth is to be into grown_. Returns by how much a growth changes at most, m: by the depth, up to its limit.
@@ -173,6 +257,13 @@ double ContactLoad::grow(double time, const Points& positions, const std::vector
     const double before = touch.pressed + touch.distance;
     change = std::max(change, std::abs(grown_.back().growth - before));
   }
+  chooseAlone(body, time, positions, held, pressing_);
+  for (const Pressed& spare : spare_) {
+    if (!points_.isSpare(spare.point)) continue;
+    grown_.push_back({spare.point, std::min(spare.growth, most_growth_)});
+    change = std::max(change, grown_.back().growth);
+  }
+  std::sort(grown_.begin(), grown_.end(), isBefore);
   return change;
 }
 
@@ -215,12 +306,8 @@ double ContactLoad::potentialOf(std::size_t body, double time, const Points& pos
   const ToolParams& tool = bodies_[body].tool;
   double sum = 0.0;
   const bool pushing = tool::isPushing(tool);
-  const double per_mass = pushing ? rate_ * rate_ : tool.strength / points_.totalMass();
-  for (const Touch& touch : findTouches(body, time, positions)) {
-    const double pressed = touch.pressed;
-    sum += per_mass * points_.massOf(touch.point) *
-           (pushing ? 0.5 * pressed * pressed : attractionPotential(touch.distance, tool.reach));
-  }
+  for (const Touch& touch : findTouches(body, time, positions))
+    sum += touch.stiffness * (pushing ? 0.5 * touch.pressed * touch.pressed : attractionPotential(touch.distance, tool.reach));
   return sum;
 }
 
@@ -246,26 +333,41 @@ double ContactLoad::estimateWork(double from, double to, const model::State& bef
 // semidefinite.
 void ContactLoad::addStiffness(double time, const model::State& state, double, BlockSparse& stiffness) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const ToolParams& tool = bodies_[b].tool;
     // Also without contact: the sparsity pattern stays the same from step to step.
     for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
-    const double per_mass = tool::isPushing(tool) ? rate_ * rate_ : tool.strength / points_.totalMass();
     for (const Touch& touch : findTouches(b, time, state.positions))
-      points_.addStiffness(touch.point, points_.massOf(touch.point) * per_mass * touch.normal * touch.normal.transpose(),
-                           stiffness);
+      points_.addStiffness(touch.point, touch.stiffness * touch.normal * touch.normal.transpose(), stiffness);
   }
 }
 
-// For simulation points in any case, so that the bound is constant while contacts change; for other points only in contact.
+// For simulation points in any case, so that the bound is constant while contacts change; for other points only in contact. What
+// is stiffer counts where it may act before the bound is asked for again.
 void ContactLoad::addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                                std::vector<double>&) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const ToolParams& tool = bodies_[b].tool;
     const double per_mass = tool::isPushing(tool) ? rate_ * rate_ : tool.strength / points_.totalMass();
     for (Index i = 0; i < state.size(); ++i) stiffness[i] += per_mass * points_.massOf(i);
+    if (tool::isPushing(tool) && stiffening_ > 1.0) addStiffBounds(bodies_[b], time, state, stiffness);
     if (!points_.between()) continue;
     for (const Touch& touch : findTouches(b, time, state.positions))
-      if (points_.isBetween(touch.point)) points_.addRowBound(touch.point, per_mass * points_.massOf(touch.point), stiffness);
+      if (points_.isBetween(touch.point)) points_.addRowBound(touch.point, touch.stiffness, stiffness);
+  }
+}
+
+void ContactLoad::addStiffBounds(const Body& body, double time, const model::State& state, std::vector<double>& stiffness) const {
+  const ToolParams& tool = body.tool;
+  if (!body.acts.value_or(tool::isActive(tool, time))) return;
+  const tool::Pose pose = tool::interpolate(tool.path, time);
+  const tool::Motion motion = tool::findMotion(tool.path, time);
+  const double radius = kBallMargin * findRadius(tool.shape), ahead = kAhead / rate_;
+  for (Index i = 0; i < state.size(); ++i) {
+    endIfInterrupted(i, kLook);
+    const Vec3& x = state.positions[i];
+    const double way = ahead * (state.velocities[i] - motion.velocityAt(x)).norm();
+    if ((x - pose.position).norm() > radius + way) continue;
+    if (tool::findSignedDistance(tool.shape, pose, x, way).distance <= way)
+      stiffness[i] += (stiffening_ - 1.0) * rate_ * rate_ * points_.massOf(i);
   }
 }
 

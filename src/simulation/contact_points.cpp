@@ -17,9 +17,11 @@ void ContactPoints::setBetween(std::shared_ptr<const transfer::SampledPoints> be
   damped_mass_on_.clear();
   if (!between_) return;
   damped_mass_on_.assign(masses_.size(), 0.0);
+  std::vector<Index> count(masses_.size(), 0);
+  for (Index s = 0; s < between_->size(); ++s) count[between_->cellOf(s)] += !between_->isSpare(s);
   for (Index s = 0; s < between_->size(); ++s) {
     const Index cell = between_->cellOf(s);
-    damped_mass_.push_back(kDamped * masses_[cell] / (between_->end(cell) - between_->begin(cell)));
+    damped_mass_.push_back(between_->isSpare(s) ? 0.0 : kDamped * masses_[cell] / static_cast<double>(count[cell]));
     const double sum = sumOfWeights(s);
     between_->visitWeights(s, [&](Index j, double w) { damped_mass_on_[j] += damped_mass_[s] * std::abs(w) * sum; });
   }
@@ -49,6 +51,13 @@ void ContactPoints::numberPart(const ContactPoints& whole, const std::vector<Ind
     number_in_whole_.push_back(n + old[s]);
     damped_mass_[s] = whole.dampedMassOf(n + old[s]);  // divided by the number in the whole cell, also if the part has fewer
   }
+}
+
+double ContactPoints::ownMassOf(Index p) const {
+  if (!isBetween(p)) return masses_[p];
+  double sum = 0.0;
+  between_->visitWeights(p - numSimulated(), [&](Index j, double w) { sum += w * w / masses_[j]; });
+  return 1.0 / sum;
 }
 
 double ContactPoints::totalMass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }

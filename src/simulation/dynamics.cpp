@@ -210,6 +210,7 @@ bool Dynamics::hasContact(const std::vector<tool::ToolParams>& tools) const { re
 void Dynamics::setContactRate(double rate) {
   now_.contact_rate = rate;
   loads_.contact.setRate(rate);
+  loads_.contact.setStiffening(kind_.traits().contact_stiffening);
   if (loads_.self_contact)
     loads_.self_contact->contact.setRate((kind_.traits().is_surface ? kSelfContactRate : kSkinContactRate) / kContactRate * rate);
 }

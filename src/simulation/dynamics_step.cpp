@@ -55,6 +55,8 @@ Dynamics::Outcome Dynamics::takeStep(const Request& request) {
   const double dt = params_.integrator.time_step, now = time();
   before_.motion = now_;
   keepHolding(before_.holding);
+  const ContactPoints& touching = loads_.contact.points();
+  for (ContactLoad::Body& body : before_.holding.bodies) body.pressed.reserve(touching.between() ? touching.size() : 0);
   Outcome outcome;
   try {
     std::optional<InterruptScope> scope;

@@ -23,19 +23,17 @@ std::vector<Index> findOwners(const cloud::CleanCloud& dense, const RestSurface&
   return owner;
 }
 
-// Farthest point sampling: at most `most` of the candidates that are far from each other and from the center, ascending.
-std::vector<Index> spread(const Points& positions, const Vec3& center, std::vector<Index> candidates, Index most) {
-  if (static_cast<Index>(candidates.size()) <= most) return candidates;
+// Farthest point sampling: at most `most` of the candidates, each far from those before it and from the center.
+std::vector<Index> spread(const Points& positions, const Vec3& center, const std::vector<Index>& candidates, Index most) {
   std::vector<double> squared;
   for (const Index d : candidates) squared.push_back((positions[d] - center).squaredNorm());
   std::vector<Index> chosen;
-  for (Index k = 0; k < most; ++k) {
+  for (Index k = 0; k < std::min(most, static_cast<Index>(candidates.size())); ++k) {
     const Index next = candidates[std::max_element(squared.begin(), squared.end()) - squared.begin()];
     chosen.push_back(next);
     for (std::size_t c = 0; c < candidates.size(); ++c)
       squared[c] = std::min(squared[c], (positions[candidates[c]] - positions[next]).squaredNorm());
   }
-  std::sort(chosen.begin(), chosen.end());
   return chosen;
 }
 
@@ -52,31 +50,39 @@ std::vector<std::vector<Index>> listCells(const cloud::CleanCloud& dense, const 
 
 std::shared_ptr<const transfer::SampledPoints> sample(const SceneParams& params, const cloud::CleanCloud& dense,
                                                       const RestSurface& surface, const std::vector<std::vector<Index>>& cells,
-                                                      Index most) {
+                                                      Index most, Index most_spare) {
   const Index m = static_cast<Index>(surface.points.size());
   Points positions, normals;
   std::vector<Index> cell;
-  for (Index i = 0; i < m; ++i)
-    for (const Index d : spread(dense.positions, surface.points[i], cells[i], most)) {
-      positions.push_back(dense.positions[d]);
-      normals.push_back(dense.normals[d]);
-      cell.push_back(i);
-    }
+  std::vector<char> is_spare;
+  const auto add = [&](Index owner, Index d, bool spare) {
+    positions.push_back(dense.positions[d]);
+    normals.push_back(dense.normals[d]);
+    cell.push_back(owner);
+    is_spare.push_back(spare);
+  };
+  for (Index i = 0; i < m; ++i) {
+    std::vector<Index> chosen = spread(dense.positions, surface.points[i], cells[i], most + most_spare);
+    const auto spare = chosen.begin() + std::min(most, static_cast<Index>(chosen.size()));
+    std::sort(chosen.begin(), spare);
+    for (auto d = chosen.begin(); d != chosen.end(); ++d) add(i, *d, d >= spare);
+    if (most_spare > 0 && !surface.dense_index.empty()) add(i, surface.dense_index[i], true);
+  }
   if (cell.empty()) return nullptr;
   const bool is_euclidean = params.neighbors.areEuclidean();
   const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(surface.cells, cell, positions, params.transfer.k);
   const transfer::Transfer rows(positions, normals, surface.points, std::vector<char>(m, 1), params.transfer,
                                 is_euclidean ? nullptr : &followed);
-  return std::make_shared<transfer::SampledPoints>(rows, surface.points, cell);
+  return std::make_shared<transfer::SampledPoints>(rows, surface.points, cell, std::move(is_spare));
 }
 
 }  // namespace
 
 std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const SceneParams& params, const cloud::CleanCloud& dense,
-                                                                   const RestSurface& surface) {
+                                                                   const RestSurface& surface, bool with_spare) {
   const Index most = params.contact.cloud_points;
   if (most == 0 || dense.positions.size() <= surface.points.size()) return nullptr;
-  return sample(params, dense, surface, listCells(dense, surface), most);
+  return sample(params, dense, surface, listCells(dense, surface), most, with_spare ? std::max<Index>(kMostPoints - most, 1) : 0);
 }
 
 std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, const cloud::CleanCloud& dense,
@@ -84,7 +90,7 @@ std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, co
                                                    std::shared_ptr<const transfer::SampledPoints> between) {
   if (dense.positions.size() <= surface.points.size()) return nullptr;
   const std::vector<std::vector<Index>> cells = listCells(dense, surface);
-  if (!between || params.contact.cloud_points != most) between = sample(params, dense, surface, cells, most);
+  if (!between || params.contact.cloud_points != most) between = sample(params, dense, surface, cells, most, 0);
   if (!between) return nullptr;
   LoadPoints load;
   load.share.assign(between->size(), 0.0);

@@ -9,10 +9,12 @@
 namespace deformable_surface::simulation {
 
 /// At most params.contact.cloud_points in the cell of each simulation point (the points nearest to it over the surface), spread
-/// over the cell: each is the farthest from those before it and from the simulation point. dense: the cloud from which the
-/// surface was built. Null if there are none.
+/// over the cell: each is the farthest from those before it and from the simulation point. With spare ones, the next farthest
+/// follow, up to kMostPoints in all, and where the cloud shows the simulation point, which sharp bends leave. dense: the cloud
+/// from which the surface was built. Null if there are none.
 std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const SceneParams& params, const cloud::CleanCloud& dense,
-                                                                   const RestSurface& surface);
+                                                                   const RestSurface& surface, bool with_spare);
+constexpr Index kMostPoints = 32;  // of a cell: a sixth of the spacing apart
 
 /// Points in a cell at most: they resolve the edge of a loaded patch to about a sixth of the spacing.
 constexpr Index kMostLoadPoints = 32;
@@ -20,8 +22,8 @@ constexpr Index kMostLoadPoints = 32;
 constexpr Index kMostLoadPointsOfCopies = 8;
 
 /// The points that carry forces with a radius: at most `most` in a cell, spread as above. Each stands for the points of the cloud
-/// in its cell that are nearest to it. between: the choice of choosePointsBetween(), which is used again if it has as many; or
-/// null. Null if there are none.
+/// in its cell that are nearest to it. between: the choice of choosePointsBetween() without spare points, which is used again if
+/// it has as many; or null. Null if there are none.
 std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, const cloud::CleanCloud& dense,
                                                    const RestSurface& surface, Index most,
                                                    std::shared_ptr<const transfer::SampledPoints> between = nullptr);

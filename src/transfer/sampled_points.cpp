@@ -2,17 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace deformable_surface::transfer {
 namespace {
 
 // Fraction of the radius of a cell: lower heights are due to rounding or negligible, and are ignored.
 constexpr double kFlat = 1e-4;
+// Of the radius of a cell, the most by which a sample changes its distance from the simulation point beside the stretch: at a
+// sharp bend the smooth surface leaves the simulation points. Cloth over the corners of boxes: up to a quarter.
+constexpr double kSmooth = 0.4;
 
 }  // namespace
 
-SampledPoints::SampledPoints(const Transfer& rows, const Points& simulation, const std::vector<Index>& cell)
-    : k_(rows.numNeighbors()), cell_(cell), radius_(simulation.size(), 0.0), height_(simulation.size(), 0.0) {
+SampledPoints::SampledPoints(const Transfer& rows, const Points& simulation, const std::vector<Index>& cell,
+                             std::vector<char> is_spare)
+    : k_(rows.numNeighbors()),
+      cell_(cell),
+      is_spare_(std::move(is_spare)),
+      radius_(simulation.size(), 0.0),
+      height_(simulation.size(), 0.0) {
   for (Index s = 0; s < rows.numDense(); ++s) {
     const Transfer::PointRow row = rows.rowOf(s);
     share_.push_back((row.rest - simulation[cell[s]]).norm());
@@ -29,7 +38,7 @@ SampledPoints::SampledPoints(const Transfer& rows, const Points& simulation, con
     height_[cell[s]] = std::max(height_[cell[s]], std::abs(row.height));
   }
   for (std::size_t s = 0; s < frame_.size(); ++s) {
-    share_[s] = radius_[cell[s]] > 0.0 ? share_[s] / radius_[cell[s]] : 0.0;
+    share_[s] = radius_[cell[s]] > 0.0 ? (share_[s] / radius_[cell[s]] + kSmooth) / (1.0 + kSmooth) : 1.0;
     if (std::abs(frame_[s].height) > kFlat * radius_[cell[s]]) continue;
     // The offset includes the height.
     const Tangents tangents = findTangents(static_cast<Index>(s), simulation);
@@ -48,8 +57,9 @@ double SampledPoints::findSpread(Index cell, const Points& simulation) const {
 }
 
 double SampledPoints::findReach(Index cell, const Points& simulation_now) const {
-  if (!(spread_[cell] > 0.0)) return radius_[cell];
-  return radius_[cell] * std::max(1.0, findSpread(cell, simulation_now) / spread_[cell]);
+  const double reach = (1.0 + kSmooth) * radius_[cell];
+  if (!(spread_[cell] > 0.0)) return reach;
+  return reach * std::max(1.0, findSpread(cell, simulation_now) / spread_[cell]);
 }
 
 void SampledPoints::listCells(Index num_cells) {
@@ -127,6 +137,7 @@ SampledPoints SampledPoints::takePart(const std::vector<Index>& new_index, Index
     old.push_back(s);
     part.cell_.push_back(cell);
     part.share_.push_back(share_[s]);
+    if (!is_spare_.empty()) part.is_spare_.push_back(is_spare_[s]);
     part.frame_.push_back(frame_[s]);
     part.radius_[cell] = radius_[cell_[s]];
     part.height_[cell] = height_[cell_[s]];

@@ -18,7 +18,7 @@ struct Sheet {
     simulation::SceneParams p = hangingSheet();
     rest = simulation::buildRestSurface(p, sheetCloud(40));
     masses = rest.model->masses();
-    points.setBetween(simulation::choosePointsBetween(p, rest.dense, rest));
+    points.setBetween(simulation::choosePointsBetween(p, rest.dense, rest, true));
   }
 };
 

@@ -1,11 +1,15 @@
 // Tools that touch the surface between its simulation points.
 #include "../../src/simulation/points_between.h"
 #include "clouds.h"
+#include "deformable_surface/geometry/polyhedron.h"
 #include "repeats.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
 
 namespace deformable_surface::test {
 namespace {
@@ -96,13 +100,51 @@ TEST(PointsBetween, TheFullCloudRestsOnABoxAndNotInIt) {
   EXPECT_LT(after, 0.4 * before);
 }
 
+// Boxes, a table's corner and a roof of triangles under a sheet of 3600 points, of which 300 are simulated: 5.8 cm apart. Their
+// corners and edges carry much of its weight on few points.
+TEST(PointsBetween, TheFullCloudIsNoDeeperThanTwoHundredthsOfTheSpacingAtCornersAndEdges) {
+  SceneParams p;
+  p.material.damping = 10.0;
+  p.material.young_modulus = 1e6;
+  p.material.bending_rigidity = 1e-4;
+  p.simplification.target_points = 300;
+  const double allowed = 0.02 / std::sqrt(300.0);
+  geometry::Solid box, roof;
+  box.kind = geometry::Solid::Kind::kBox;
+  box.size = Vec3(0.4, 0.4, 0.2);
+  roof.kind = geometry::Solid::Kind::kMesh;
+  const Points corners = {{-0.2, -0.2, -0.3}, {0.2, -0.2, -0.3}, {0.2, 0.2, -0.3},
+                          {-0.2, 0.2, -0.3},  {0.0, -0.2, 0.0},  {0.0, 0.2, 0.0}};
+  roof.mesh = std::make_shared<geometry::Polyhedron>(
+      corners,
+      std::vector<std::array<Index, 3>>{{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {2, 3, 5}, {1, 2, 5}, {1, 5, 4}, {3, 0, 4}, {3, 4, 5}});
+  const struct {
+    const char* name;
+    geometry::Solid shape;
+    Vec3 place;
+  } cases[] = {
+      {"box", box, Vec3(0.5, 0.0, -0.101)}, {"corner", box, Vec3(0.7, 0.2, -0.101)}, {"roof", roof, Vec3(0.5, 0.0, -0.001)}};
+  for (const auto& under : cases) {
+    const auto drape = [&](solve::IntegratorType type, int steps) {
+      p.integrator.type = type;
+      tool::ToolParams tool = makeTool(under.shape, {{0.0, under.place}});
+      tool.friction = 0.3;
+      p.tools = {tool};
+      Simulation s(p, sheetCloud(60));
+      run(s, steps);
+      return deepestOf(s, under.shape, under.place);
+    };
+    EXPECT_LT(drape(solve::IntegratorType::kVerlet, 300), allowed) << under.name;
+  }
+}
+
 TEST(PointsBetween, AreAtMostSoManyInACellAndNeverSimulationPoints) {
   SceneParams p = floating();
   const cloud::PointCloud cloud = sheetCloud(40);
   const simulation::RestSurface rest = simulation::buildRestSurface(p, cloud);
   for (const Index most : {1, 5, 64}) {
     p.contact.cloud_points = most;
-    const auto between = simulation::choosePointsBetween(p, rest.dense, rest);
+    const auto between = simulation::choosePointsBetween(p, rest.dense, rest, false);
     ASSERT_TRUE(between);
     Index largest = 0;
     for (Index c = 0; c < static_cast<Index>(rest.points.size()); ++c) {
@@ -114,20 +156,43 @@ TEST(PointsBetween, AreAtMostSoManyInACellAndNeverSimulationPoints) {
     if (most == 64) EXPECT_EQ(between->size() + static_cast<Index>(rest.points.size()), static_cast<Index>(cloud.size()));
   }
   p.contact.cloud_points = 0;
-  EXPECT_FALSE(simulation::choosePointsBetween(p, rest.dense, rest));
+  EXPECT_FALSE(simulation::choosePointsBetween(p, rest.dense, rest, false));
+}
+
+TEST(PointsBetween, SpareOnesFollowTheOthersOfACellAndIncludeItsSimulationPoint) {
+  SceneParams p = floating();
+  const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(60));
+  const auto all = simulation::choosePointsBetween(p, rest.dense, rest, true);
+  const auto between = simulation::choosePointsBetween(p, rest.dense, rest, false);
+  Index num_spare = 0;
+  for (Index c = 0; c < static_cast<Index>(rest.points.size()); ++c) {
+    const Index count = between->end(c) - between->begin(c);
+    double nearest = 1.0;
+    for (Index k = 0; k < all->end(c) - all->begin(c); ++k) {
+      const Index s = all->begin(c) + k;
+      const Vec3 place = all->place(s, rest.points);
+      EXPECT_EQ(all->isSpare(s), k >= count);
+      if (k < count) EXPECT_EQ(place, between->place(between->begin(c) + k, rest.points));
+      nearest = std::min(nearest, (place - rest.points[c]).norm());
+      num_spare += all->isSpare(s);
+    }
+    EXPECT_LT(nearest, 1e-9);
+    EXPECT_LE(all->end(c) - all->begin(c), simulation::kMostPoints + 1);
+  }
+  EXPECT_GT(num_spare, 3 * static_cast<Index>(rest.points.size()));
 }
 
 TEST(PointsBetween, ASurfaceOfWhichEveryPointIsSimulatedHasNone) {
   SceneParams p = floating();
   p.simplification.method = cloud::SimplificationMethod::kNone;
   const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(12));
-  EXPECT_FALSE(simulation::choosePointsBetween(p, rest.dense, rest));
+  EXPECT_FALSE(simulation::choosePointsBetween(p, rest.dense, rest, false));
 }
 
 TEST(PointsBetween, ThoseThatFollowBothSidesOfACutAreSevered) {
   SceneParams p = floating();
   const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(40));
-  const auto between = simulation::choosePointsBetween(p, rest.dense, rest);
+  const auto between = simulation::choosePointsBetween(p, rest.dense, rest, false);
   const Index m = static_cast<Index>(rest.points.size());
   auto links = rest.model->links()->stretchLinks();
   const std::vector<char> none = simulation::findSevered(*between, links, m);

@@ -22,6 +22,12 @@ namespace deformable_surface::simulation {
 /// that the point's shortest way out is no longer the way it came in. Such a point is pushed back along the latter, with d the
 /// depth below the plane there, until it is outside or beside the tool.
 ///
+/// Points between that are deeper than the other touching points of their cell are chosen before each step, one in a cell, to
+/// have springs of their own: as stiff as the stable step allows for one point (ContactPoints::ownMassOf()). Corners, edges and
+/// small tools press on such points. Spare points touch only once they are chosen. The tool's surface first withdraws from a
+/// chosen point by s < 0, so that its force does not jump and no energy is made, and comes back within some steps (kEase). The
+/// choice ends when the point is outside.
+///
 /// In equilibria the depth is not left: it would make the tool softer than it is. Where points press on a solid tool, its surface
 /// grows by s towards them until they lie on the tool itself, and F = m r^2 (d + s) (setGrowing()). In motion nothing grows:
 /// points that carry s along, as those of a rolling ball do, would drive the motion. Points that cannot be pushed, and those that
@@ -35,6 +41,7 @@ namespace deformable_surface::simulation {
 /// distance d, s the point's share of the total mass; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
 class ContactLoad : public solve::ExternalLoad {
  public:
+  static constexpr double kEase = 0.02;    // s, in which such a withdrawal falls to 1 / e
   static constexpr double kArrival = 0.1;  // s, or a step if that is longer; equal to the time in which a tool is moved elsewhere
 
   explicit ContactLoad(const std::vector<double>& masses) : points_(masses) {}
@@ -66,12 +73,12 @@ class ContactLoad : public solve::ExternalLoad {
     Vec3 offset = Vec3::Zero();       // m, from its place to the start of the arrival; zero: no arrival
     double begins = 0.0, ends = 0.0;  // s
   };
-  /// A point towards which the tool's surface has grown.
+  /// A point towards which the tool's surface has grown, or one with a spring of its own.
   struct Pressed {
     Index point;
-    double growth;  // m
+    double growth;  // m; negative: withdrawn
   };
-  /// A tool, its path with the arrival, and the points that it has passed over and those towards which it has grown, ascending.
+  /// A tool, its path with the arrival, and the points that it has passed over and the pressed ones, ascending.
   /// Must be in a snapshot.
   struct Body {
     tool::ToolParams tool;
@@ -127,6 +134,11 @@ class ContactLoad : public solve::ExternalLoad {
     forgetTouches();
   }
   double rate() const { return rate_; }
+  /// Factor on r^2 of the penalty of simulation points. Default: 1.
+  void setStiffening(double factor) {
+    stiffening_ = factor;
+    forgetTouches();
+  }
 
   void addForces(double time, const model::State& state, Points& forces) const override;
   double potential(double time, const model::State& state) const override;
@@ -140,12 +152,13 @@ class ContactLoad : public solve::ExternalLoad {
 
   /// A point that a tool acts on.
   struct Touch {
-    Index point;      // number of the point
-    Vec3 position;    // m
-    double distance;  // m, from the tool's surface; negative inside
-    Vec3 normal;      // outward
-    Vec3 force;       // N, on the point, along the normal
-    double pressed;   // m, of the contact spring: depth and growth; 0 for tools that attract
+    Index point;       // number of the point
+    Vec3 position;     // m
+    double distance;   // m, from the tool's surface; negative inside
+    Vec3 normal;       // outward
+    Vec3 force;        // N, on the point, along the normal
+    double pressed;    // m, of the contact spring: depth and growth; 0 for tools that attract
+    double stiffness;  // N/m, of the contact spring, or of attraction where it is stiffest
   };
   /// The touches of one body, for every point that it acts on, ascending. Valid until the next call with another time or other
   /// positions. Computed once for all callers.
@@ -171,6 +184,10 @@ class ContactLoad : public solve::ExternalLoad {
  private:
   void listTouchesBetween(const Body& body, const tool::Pose& pose, const Points& positions, double largest_growth,
                           std::vector<Touch>& touches) const;
+  void chooseAlone(const Body& body, double time, const Points& positions, const std::vector<char>& held,
+                   const std::vector<Touch>& touches);
+  bool easeAlone(double time, double step, const Points& positions, const std::vector<char>& held, Body& body);
+  void addStiffBounds(const Body& body, double time, const model::State& state, std::vector<double>& stiffness) const;
   double grow(double time, const Points& positions, const std::vector<char>& held, Body& body);
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
   double potentialOf(std::size_t body, double time, const Points& positions) const;
@@ -183,7 +200,7 @@ class ContactLoad : public solve::ExternalLoad {
 
   ContactPoints points_;
   std::vector<Body> bodies_;  // solid, cut and attract
-  double rate_ = 0.0, most_growth_ = 0.0;
+  double rate_ = 0.0, stiffening_ = 1.0, most_growth_ = 0.0;
   bool grows_ = false, arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
   std::string notice_;
   mutable double seconds_ = 0.0;
@@ -203,8 +220,13 @@ class ContactLoad : public solve::ExternalLoad {
   mutable Points touched_at_;             // m, positions of the touches
   mutable std::vector<Touches> touches_;  // by body; empty: none yet
   std::vector<Passed> scratch_;
-  std::vector<Touch> pressing_;        // scratch
-  std::vector<Pressed> grown_;         // scratch
+  std::vector<Touch> pressing_;         // scratch
+  std::vector<Pressed> grown_, spare_;  // scratch; spare_: newly chosen, with their depth in place of growth
+  struct Deepest {
+    Index point = -1;
+    double depth = 0.0, next = 0.0;  // m, of the deepest touching point of a cell and of the next
+  };
+  std::vector<Deepest> deepest_;       // (m) scratch
   std::vector<std::string> reported_;  // ids of tools whose passing between points was reported
 };
 

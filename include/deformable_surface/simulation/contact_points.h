@@ -14,7 +14,7 @@ namespace deformable_surface::simulation {
 /// Numbering: the simulation points first, then those between. The latter have no mass of their own. For contact, each has the
 /// mass of the simulation point in whose cell it lies: the same penalty, so that a single one, at the corner of a box, carries as
 /// much as a simulation point. For damping, which would shorten the stable step, all points of a cell together have half of that
-/// mass.
+/// mass, and spare points none.
 class ContactPoints {
  public:
   /// masses (m): kg, of the simulation points; kept by reference.
@@ -35,10 +35,15 @@ class ContactPoints {
   Index numSimulated() const { return static_cast<Index>(masses_.size()); }
   Index size() const { return numSimulated() + (between_ ? between_->size() : 0); }
   bool isBetween(Index p) const { return p >= numSimulated(); }
+  /// Points between that touch only where they are deeper than the others of their cell.
+  bool isSpare(Index p) const { return isBetween(p) && between_->isSpare(p - numSimulated()); }
   bool isSevered(Index p) const { return !is_severed_.empty() && isBetween(p) && is_severed_[p - numSimulated()]; }
   /// The simulation point itself, or the one in whose cell the point lies.
   Index simulationPointOf(Index p) const { return isBetween(p) ? between_->cellOf(p - numSimulated()) : p; }
   double massOf(Index p) const { return masses_[simulationPointOf(p)]; }  // kg, for the penalty
+  /// kg, with which a point resists a force: 1 / sum_j (w_j^2 / m_j). At rate r it is the stiffest spring that adds r^2 to the
+  /// square of a frequency; that of massOf() adds a third to a half of it.
+  double ownMassOf(Index p) const;
   double dampedMassOf(Index p) const { return isBetween(p) ? damped_mass_[p - numSimulated()] : masses_[p]; }  // kg
   double totalMass() const;  // kg, of the surface
   /// kg: bound of the row sum of the masses for damping over all points that act on simulation point i.

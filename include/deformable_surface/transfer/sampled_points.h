@@ -15,22 +15,23 @@ class SampledPoints {
  public:
   SampledPoints() = default;
   /// rows: an operator for the sampled points alone. simulation (m x 3): at rest, m. cell (s): the simulation point of the cell
-  /// of each sample, ascending.
-  SampledPoints(const Transfer& rows, const Points& simulation, const std::vector<Index>& cell);
+  /// of each sample, ascending. is_spare (s): samples that are used only where the others do not suffice; empty: none.
+  SampledPoints(const Transfer& rows, const Points& simulation, const std::vector<Index>& cell, std::vector<char> is_spare = {});
 
   Index size() const { return static_cast<Index>(cell_.size()); }
   /// The samples of a cell are consecutive.
   Index begin(Index cell) const { return begin_[cell]; }
   Index end(Index cell) const { return begin_[cell + 1]; }
   Index cellOf(Index s) const { return cell_[s]; }
+  bool isSpare(Index s) const { return !is_spare_.empty() && is_spare_[s]; }
   /// Largest distance, m, at rest, of the samples of a cell from its simulation point.
   double radius(Index cell) const { return radius_[cell]; }
-  /// Distance at rest of a sample from the simulation point of its cell, as a fraction of radius().
+  /// Bound of the distance of a sample from the simulation point of its cell, as a fraction of findReach().
   double share(Index s) const { return share_[s]; }
   /// Largest distance, m, of the samples of the cell from the planes fitted through the simulation points at rest.
   double height(Index cell) const { return height_[cell]; }
   /// Largest present distance, m, of the samples of the cell from its simulation point: that at rest times the local stretch of
-  /// the surface.
+  /// the surface, and what a sharp bend can add, which the samples do not follow.
   double findReach(Index cell, const Points& simulation_now) const;
 
   /// Position, m, from the present positions (m x 3) of the simulation points.
@@ -71,6 +72,7 @@ class SampledPoints {
   std::vector<Entry> rows_;   // (s x k)
   std::vector<Frame> frame_;  // (s)
   std::vector<Index> cell_, begin_;
+  std::vector<char> is_spare_;           // (s), or empty
   std::vector<double> share_;            // (s)
   std::vector<double> radius_, height_;  // (m)
   std::vector<double> spread_;           // (m) m, at rest, from the simulation point of the cell to the farthest of its sources

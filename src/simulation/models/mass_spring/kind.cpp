@@ -85,7 +85,7 @@ class MassSpringKind : public ModelKind {
   }
 
   std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const override {
-    return rest.dense.positions.empty() ? rest.between : choosePointsBetween(params, rest.dense, rest);
+    return rest.dense.positions.empty() ? rest.between : choosePointsBetween(params, rest.dense, rest, true);
   }
   std::shared_ptr<const LoadPoints> makeLoadPoints(const SceneParams& params, const RestSurface& rest) const override {
     return rest.dense.positions.empty() ? rest.load_points : chooseLoadPoints(params, rest.dense, rest, kMostLoadPoints);

@@ -240,7 +240,7 @@ RestSurface makeCoarserMassSpring(const SceneParams& params, const RestSurface& 
   s.closed = of.closed;
   connect(params, of, of.order.keepCount(target), s);
   buildModel(params, of, s);
-  s.between = choosePointsBetween(params, of.dense, s);
+  s.between = choosePointsBetween(params, of.dense, s, false);
   s.load_points = chooseLoadPoints(params, of.dense, s, kMostLoadPointsOfCopies, s.between);
   return s;
 }
