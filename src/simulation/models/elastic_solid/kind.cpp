@@ -13,6 +13,10 @@ namespace {
 
 using model::ElasticSolid;
 
+// A point of the surface is held by the body below it. Contact as stiff as that of a sheet is as soft as the body: a ball of 15
+// mm felt a third less than it should. With this factor it feels less by 4 % at most, and sub-steps in contact are half as long.
+constexpr double kContactStiffening = 16.0;
+
 /// Points of the body: moved by the transfer of solids, or the simulation points themselves if all are simulated.
 class SolidFollower : public CloudFollower {
  public:
@@ -47,6 +51,7 @@ class ElasticSolidKind : public ModelKind {
   ModelTraits traits() const override {
     ModelTraits traits;
     traits.has_estimate = traits.is_prepared = traits.meets_itself = true;
+    traits.contact_stiffening = kContactStiffening;
     return traits;
   }
   void visitOptions(Fields& fields, SceneParams& p) const override {
