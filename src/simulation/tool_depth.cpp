@@ -63,7 +63,10 @@ ToolDepth::ToolDepth(std::size_t num_points, std::shared_ptr<const transfer::Sam
 
 double ToolDepth::measure(const Dynamics& level) {
   bodies_ = level.loads().contact.all();
-  for (ContactLoad::Body& body : bodies_) body.pressed.clear();
+  for (ContactLoad::Body& body : bodies_) {
+    body.pressed.clear();
+    body.pressed.reserve(level.loads().contact.points().size());
+  }
   contact_.restore(bodies_);
   double deepest = 0.0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
