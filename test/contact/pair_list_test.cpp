@@ -209,6 +209,17 @@ TEST(PairList, TakesNeighborsForThinnerThanOtherParts) {
   EXPECT_GT(num, 0);
 }
 
+TEST(PairList, LonePointsTouchTrianglesOnlyIfTheyAreTaken) {
+  Points points{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.3, 0.3, 0.05}};
+  for (const bool takes_lone_points : {true, false}) {
+    PairList list(points, {{0, 1, 2}}, 0.01, takes_lone_points);
+    list.update(points, 0.1);
+    int num = 0;
+    list.visitNear([&](const Pair& pair, double) { num += pair.vertices[0] == 3; });
+    EXPECT_EQ(num, takes_lone_points ? 1 : 0);
+  }
+}
+
 TEST(PairList, OfNothingIsEmpty) {
   PairList list({}, {}, 0.001);
   list.update({}, 0.001);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "folded_sheets.h"
@@ -18,10 +19,16 @@ std::vector<Edge> listEdges(const std::vector<Triangle>& triangles) {
   return {edges.begin(), edges.end()};
 }
 
+std::vector<Index> listVertices(const Points& points) {
+  std::vector<Index> vertices(points.size());
+  std::iota(vertices.begin(), vertices.end(), Index{0});
+  return vertices;
+}
+
 TEST(Patches, HoldEachVertexEdgeAndTriangleOnce) {
   const test::Sheets sheets = test::makeSheets(2, 11, 0.004, 0.001);
   const std::vector<Edge> edges = listEdges(sheets.triangles);
-  const Patches patches(sheets.points, edges, sheets.triangles);
+  const Patches patches(sheets.points, listVertices(sheets.points), edges, sheets.triangles);
   EXPECT_GT(patches.size(), 10);
   std::vector<int> of_vertex(sheets.points.size(), 0), of_edge(edges.size(), 0), of_triangle(sheets.triangles.size(), 0);
   for (Index p = 0; p < patches.size(); ++p) {
@@ -48,7 +55,7 @@ TEST(Patches, HoldEachVertexEdgeAndTriangleOnce) {
 
 TEST(Patches, BoundTheRelativeWaysOfTheirPoints) {
   const test::Sheets sheets = test::makeSheets(1, 9, 0.0, 0.001);
-  const Patches patches(sheets.points, listEdges(sheets.triangles), sheets.triangles);
+  const Patches patches(sheets.points, listVertices(sheets.points), listEdges(sheets.triangles), sheets.triangles);
   Points to = sheets.points;
   std::mt19937 generator(5);
   for (Vec3& p : to) p += Vec3(0.3, -0.2, 0.1) + 0.01 * test::randomVector(generator);
@@ -75,7 +82,7 @@ TEST(Patches, BoundTheRelativeWaysOfTheirPoints) {
 
 TEST(Patches, CommonMotionIsNoRelativeWay) {
   const test::Sheets sheets = test::makeSheets(1, 5, 0.0, 0.001);
-  const Patches patches(sheets.points, listEdges(sheets.triangles), sheets.triangles);
+  const Patches patches(sheets.points, listVertices(sheets.points), listEdges(sheets.triangles), sheets.triangles);
   Points to = sheets.points;
   for (Vec3& p : to) p += Vec3(0.5, 0.25, -0.125);
   std::vector<Patches::Ways> ways;
