@@ -108,5 +108,33 @@ TEST(MarkWide, ARowClampsWhereTheRegionHoldsMoreOfAFinerCloud) {
   }
 }
 
+// The normals of the crest are the mean of both faces'. A triangle across it stands upright on the surface.
+TEST(ClampEdges, PinsAcrossASharpCrestHoldIt) {
+  constexpr double kSpacing = 0.01;
+  for (const double degrees : {70.0, 60.0, 50.0, 40.0, 30.0, 20.0}) {
+    const double half = 0.5 * degrees * M_PI / 180.0;
+    cloud::PointCloud roof;
+    for (Index row = -7; row <= 7; ++row)
+      for (Index k = 0; k < 20; ++k) {
+        const double side = row < 0 ? -1.0 : row > 0 ? 1.0 : 0.0, away = std::abs(row) * kSpacing;
+        roof.positions.emplace_back(side * away * std::sin(half), k * kSpacing, -away * std::cos(half));
+        roof.normals.push_back(side == 0.0 ? Vec3(0.0, 0.0, 1.0) : Vec3(side * std::cos(half), 0.0, std::sin(half)));
+      }
+    simulation::SceneParams scene;
+    scene.simplification.method = cloud::SimplificationMethod::kNone;
+    scene.accuracy.estimate = false;
+    simulation::PinParams pin;
+    pin.region.min = Vec3(-9.0, -0.001, -9.0);
+    pin.region.max = Vec3(9.0, 1.01 * kSpacing, 9.0);
+    scene.pins.push_back(pin);
+    simulation::Simulation s(scene, roof);
+    for (int k = 0; k < 3; ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << degrees << ": " << outcome.problem;
+    }
+    EXPECT_LT(s.statistics().max_speed, 1.0) << degrees;  // in free fall about a half
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

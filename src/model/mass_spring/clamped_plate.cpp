@@ -10,6 +10,9 @@ constexpr double kClose = 0.5;  // fraction of the spacing: nearer points on an 
 // Least height of a triangle of held points over its longest side, for near points and for any, for it to support a point beside
 // it.
 constexpr double kFat = 0.2, kThin = 0.02;
+// Cosine between the normals of a triangle and of the surface: those across a sharp crease can stand upright on the surface and
+// tell no slope.
+constexpr double kUpright = 0.3;
 constexpr std::size_t kNear = 12, kMost = 200;  // number of held points that are searched, first and then
 
 bool holds(const std::vector<Index>& list, Index i) { return std::find(list.begin(), list.end(), i) != list.end(); }
@@ -34,16 +37,18 @@ std::vector<Index> findPatch(Index i, const PlateRest& plate, const Patches& pat
   return patch;
 }
 
-// The triangle of i and two others of a patch with the best shape for its size. Returns its height over its longest side.
-double chooseTriangle(const std::vector<Index>& patch, const Points& x, Index (&corners)[3]) {
+// The triangle of i and two others of a patch with the best shape for its size. Returns its height over its longest side. normal:
+// of the surface at i.
+double chooseTriangle(const std::vector<Index>& patch, const Points& x, const Vec3& normal, Index (&corners)[3]) {
   double best = 0.0, best_shape = 0.0;
   const Vec3& origin = x[patch[0]];
   for (std::size_t a = 1; a < patch.size(); ++a)
     for (std::size_t b = a + 1; b < patch.size(); ++b) {
       const Vec3 u = x[patch[a]] - origin, v = x[patch[b]] - origin;
       const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (u - v).squaredNorm()});
-      const double shape = u.cross(v).norm() / longest, value = shape / std::sqrt(longest);
-      if (!(shape >= kThin) || !(value > best)) continue;
+      const Vec3 cross = u.cross(v);
+      const double shape = cross.norm() / longest, value = shape / std::sqrt(longest);
+      if (!(shape >= kThin) || !(value > best) || std::abs(cross.dot(normal)) < kUpright * cross.norm()) continue;
       best = value;
       best_shape = shape;
       corners[0] = patch[0];
@@ -56,8 +61,8 @@ double chooseTriangle(const std::vector<Index>& patch, const Points& x, Index (&
 // Finds the support of the place of an edge near i; false: i and the points held with it are collinear.
 bool carry(Index i, const Vec3& place, const PlateRest& plate, const Patches& patches, EdgePoint& edge) {
   const Points& x = plate.points;
-  double shape = chooseTriangle(findPatch(i, plate, patches, kNear), x, edge.points);
-  if (!(shape >= kFat)) shape = chooseTriangle(findPatch(i, plate, patches, kMost), x, edge.points);
+  double shape = chooseTriangle(findPatch(i, plate, patches, kNear), x, plate.normals[i], edge.points);
+  if (!(shape >= kFat)) shape = chooseTriangle(findPatch(i, plate, patches, kMost), x, plate.normals[i], edge.points);
   if (!(shape >= kThin)) return false;
   const Vec3 u = x[edge.points[1]] - x[i], v = x[edge.points[2]] - x[i];
   const Vec3 normal = u.cross(v);
