@@ -280,5 +280,39 @@ TEST(SolidSimulation, IsPushedByToolsAndHeldByGrips) {
   EXPECT_LT(lowest, -0.06);
 }
 
+// Points of a body at rest leave the floor and return within few sub-steps.
+TEST(SolidSimulation, ABallOnAFloorWithoutFrictionGainsNoEnergy) {
+  SceneParams scene = makeBarScene();
+  scene.cloud = {};
+  scene.cloud.shape = simulation::CloudParams::Shape::kSphere;
+  scene.cloud.points = 500;
+  scene.cloud.radius = 0.1;
+  scene.elastic_solid.fill = true;
+  scene.material.young_modulus = 1e5;
+  scene.material.poisson_ratio = 0.4;
+  scene.material.density = 1000.0;
+  scene.material.damping = 6.0;
+  scene.pins.clear();
+  scene.accuracy.estimate = false;
+  tool::ToolParams floor;
+  floor.id = "floor";
+  floor.shape.kind = geometry::Solid::Kind::kPlane;
+  floor.path.resize(1);
+  floor.path[0].position = Vec3(0.0, 0.0, -0.11);
+  scene.tools.push_back(floor);
+  Simulation s = makeSimulation(scene);
+  double least = std::numeric_limits<double>::infinity(), rise = 0.0, most_elastic = 0.0;
+  for (int k = 0; k < 250; ++k) {
+    ASSERT_TRUE(s.step().ok);
+    const simulation::Statistics now = s.statistics();
+    const double energy = now.kinetic_energy + now.elastic_energy + now.potential_energy;
+    least = std::min(least, energy);
+    rise = std::max(rise, energy - least);
+    most_elastic = std::max(most_elastic, now.elastic_energy);
+  }
+  EXPECT_LT(rise, 1e-3 * most_elastic);
+  EXPECT_LT(s.statistics().max_speed, 0.1);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
