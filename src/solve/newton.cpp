@@ -15,12 +15,12 @@ constexpr double kRaise = 10.0;       // of a shift that was not enough
 constexpr double kLower = 0.25;       // of one that was: the least one that does leads fastest out of a saddle
 // Of the gradient: largest residual of a direction by products; the next iteration finds the rest.
 constexpr double kLoosest = 0.05;
-constexpr double kForcing = 0.9;           // times the square of the gradient's fall: residual of the next direction
-constexpr double kOversolved = 0.3;        // of the residual that ends the search: more accurate directions bring nothing
-constexpr double kSkew = 1e-3;             // of a direction: the error that is left where the matrix has a skew part
-constexpr int kMostSkew = 50;              // iterations for it; 20 suffice where both parts are equally large
-constexpr int kMaxShortenings = 30;        // of a direction that stops points; beyond it there is none
-constexpr double kRegularization = 1e-12;  // of the largest diagonal, where neither weight nor stiffness resists a motion
+constexpr double kForcing = 0.9;          // times the square of the gradient's fall: residual of the next direction
+constexpr double kOversolved = 0.3;       // of the residual that ends the search: more accurate directions bring nothing
+constexpr double kSkew = 1e-3;            // of a direction: the error that is left where the matrix has a skew part
+constexpr int kMostSkew = 50;             // iterations for it; 20 suffice where both parts are equally large
+constexpr int kMaxShortenings = 30;       // of a direction that stops points; beyond it there is none
+constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
 }  // namespace
 
