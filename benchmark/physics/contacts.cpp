@@ -360,7 +360,7 @@ std::vector<Problem> listContacts() {
   ring.name = "pressed ring, first contact";
   ring.run = meetInRing;
   list.push_back(ring);
-  for (const double pressure : {6.3, 7.8, 9.3}) {
+  for (const double pressure : {6.3, 7.8, 9.3, 10.2}) {
     char name[64];
     std::snprintf(name, sizeof name, "pressed ring, force of contact at %g", pressure);
     ring.name = name;
