@@ -13,10 +13,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kContactRate = 0.45;  // of the highest frequency at rest: its square then grows by a fifth at most
-// The same: a point may be in contact with many triangles and edges. Behind each point of a body's skin there are others, whose
-// weight it bears.
-constexpr double kSelfContactRate = 0.1, kSkinContactRate = 0.2;
+constexpr double kContactRate = 0.45;     // of the highest frequency at rest: its square then grows by a fifth at most
+constexpr double kSelfContactRate = 0.1;  // the same: a point may be in contact with many triangles and edges
 
 Index nearestPoint(const Points& points, const Vec3& to) {
   Index nearest = 0;
@@ -210,9 +208,9 @@ bool Dynamics::hasContact(const std::vector<tool::ToolParams>& tools) const { re
 void Dynamics::setContactRate(double rate) {
   now_.contact_rate = rate;
   loads_.contact.setRate(rate);
-  loads_.contact.setStiffening(kind_.traits().contact_stiffening);
-  if (loads_.self_contact)
-    loads_.self_contact->contact.setRate((kind_.traits().is_surface ? kSelfContactRate : kSkinContactRate) / kContactRate * rate);
+  const double stiffening = kind_.traits().contact_stiffening;
+  loads_.contact.setStiffening(stiffening);
+  if (loads_.self_contact) loads_.self_contact->contact.setRate(std::sqrt(stiffening) * kSelfContactRate / kContactRate * rate);
 }
 
 // Contact as stiff as the surface's own stiffest motion at rest: the stable step then stays nearly the same. Done once,

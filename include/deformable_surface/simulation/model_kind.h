@@ -21,7 +21,7 @@ class Simulation;
 
 /// What scenes and commands may ask of a model.
 struct ModelTraits {
-  double contact_stiffening = 1.0;  // of the penalty of simulation points in tools; more costs sub-steps while they touch
+  double contact_stiffening = 1.0;  // of the springs of contact with tools and itself; more costs sub-steps while parts touch
   bool is_surface = false;          // its points have sides: pressure, drag, clouds to track, inserted points
   bool is_oriented = false;         // its points have orientations: pins hold them, creases leave their forces out
   bool has_population = false;      // commands add and remove points

@@ -14,8 +14,9 @@ namespace {
 using model::ElasticSolid;
 
 // A point of the surface is held by the body below it. Contact as stiff as that of a sheet is as soft as the body: a ball of 15
-// mm felt a third less than it should, with this factor an eighth less. With 16 it feels 4 % less, but bodies that rest on a tool
-// without friction gain energy: their points leave it and return within few sub-steps.
+// mm felt a third less than it should, with this factor an eighth less. The skin also bears the weight of what lies behind it.
+// With 16 it feels 4 % less, but bodies that rest on a tool without friction gain energy: their points leave it and return within
+// few sub-steps.
 constexpr double kContactStiffening = 4.0;
 
 /// Points of the body: moved by the transfer of solids, or the simulation points themselves if all are simulated.
