@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -30,23 +31,56 @@ double largestSquare(double u, double v, double u_end, double v_end) {
   return std::max(u * u + v * v, u_end * u_end + v_end * v_end);
 }
 
+// A prediction, and how near coordinates must be to it.
+struct Near {
+  const double *from, *way;
+  double share, tolerance;
+};
+
+using Flags = decltype(Double4{} < Double4{});
+
+DEFORMABLE_SURFACE_INLINE void dropFar(const Near& near, const Double4& at, const Double4& from, const Double4& way, Flags& all) {
+  const Double4 aside = at - (from + near.share * way);
+  all &= (aside <= near.tolerance) & (aside >= -near.tolerance);
+}
+
+bool isNear(const Near& near, Index k, double at) {
+  return std::abs(at - (near.from[k] + near.share * near.way[k])) <= near.tolerance;
+}
+
 // Whether no coordinate is farther than the tolerance from the prediction, nor undefined.
-DEFORMABLE_SURFACE_WIDE bool areNear(Index size, double share, double tolerance, const double* x, const double* from,
-                                     const double* motion) {
-  using Flags = decltype(Double4{} < Double4{});
-  Flags near = Flags{-1, -1, -1, -1};
-  Index k = 0;
-  for (; k + 4 <= size; k += 4) {
-    Double4 at, begin, way;
+DEFORMABLE_SURFACE_WIDE bool areNear(const Near& near, Index begin, Index end, const double* x) {
+  Flags all{-1, -1, -1, -1};
+  Index k = begin;
+  for (; k + 4 <= end; k += 4) {
+    Double4 at, from, way;
     load(x + k, at);
-    load(from + k, begin);
-    load(motion + k, way);
-    const Double4 aside = at - (begin + share * way);
-    near &= (aside <= tolerance) & (aside >= -tolerance);
+    load(near.from + k, from);
+    load(near.way + k, way);
+    dropFar(near, at, from, way, all);
   }
-  bool all = (near[0] & near[1] & near[2] & near[3]) != 0;
-  for (; k < size; ++k) all = all && std::abs(x[k] - (from[k] + share * motion[k])) <= tolerance;
-  return all;
+  bool is_near = (all[0] & all[1] & all[2] & all[3]) != 0;
+  for (; k < end; ++k) is_near = is_near && isNear(near, k, x[k]);
+  return is_near;
+}
+
+// The same for coordinates x now and x + time v later.
+DEFORMABLE_SURFACE_WIDE bool areNear(const Near& now, const Near& later, double time, Index begin, Index end, const double* x,
+                                     const double* v) {
+  Flags all{-1, -1, -1, -1};
+  Index k = begin;
+  for (; k + 4 <= end; k += 4) {
+    Double4 at, speed, from, way;
+    load(x + k, at);
+    load(v + k, speed);
+    load(now.from + k, from);
+    load(now.way + k, way);
+    dropFar(now, at, from, way, all);
+    dropFar(later, at + time * speed, from, way, all);
+  }
+  bool is_near = (all[0] & all[1] & all[2] & all[3]) != 0;
+  for (; k < end; ++k) is_near = is_near && isNear(now, k, x[k]) && isNear(later, k, x[k] + time * v[k]);
+  return is_near;
 }
 
 // The least rooms of four triangles at a time. size: a multiple of four. See roomOf().
@@ -103,8 +137,6 @@ Clearance::Clearance(const Points& rest, const std::vector<Triangle>& triangles,
   flat_.resize(rest.size());
   rooms_.resize((outlines_.triangles.size() - 1) / kBlock + 1);
   boxes_.resize(outlines_.numParts());
-  from_.resize(rest.size());
-  motion_.resize(rest.size());
 }
 
 // Each point within d of its prediction changes an area by at most 2 d (|a| + |b|) + 4 d^2, a length by at most 2 d.
@@ -237,31 +269,61 @@ Clearance::Room Clearance::findRoom(const Points& positions, const Points& motio
   return room;
 }
 
+// Allocates only while more motions are held elsewhere than ever before, as in snapshots.
+std::shared_ptr<ClearMotion> Clearance::takeSpare() {
+  for (const std::shared_ptr<ClearMotion>& spare : spares_)
+    if (spare.use_count() == 1) {
+      std::atomic_thread_fence(std::memory_order_acquire);  // the last other holder may have been on another thread
+      return spare;
+    }
+  return spares_.emplace_back(std::make_shared<ClearMotion>());
+}
+
 bool Clearance::prove(const Points& positions, const Points& velocities, double time) {
   forget();
   if (outlines_.numParts() == 0) return false;
-  leader_ = 0;
-  for (std::size_t i = 0; i < motion_.size(); ++i) {
-    motion_[i] = time * velocities[i];
-    if (motion_[i].squaredNorm() > motion_[leader_].squaredNorm()) leader_ = static_cast<Index>(i);
+  const std::shared_ptr<ClearMotion> motion = takeSpare();
+  Points& way = motion->way;
+  way.resize(positions.size());
+  Index leader = 0;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    way[i] = time * velocities[i];
+    if (way[i].squaredNorm() > way[leader].squaredNorm()) leader = static_cast<Index>(i);
   }
-  const Room room = findRoom(positions, motion_);
+  const Room room = findRoom(positions, way);
   if (!(room.uncrossed > kLeastTolerance * outlines_.edge)) return false;
-  tolerance_ = room.uncrossed / std::sqrt(3.0);
-  if (room.apart > kLeastTolerance * outlines_.edge) apart_tolerance_ = room.apart / std::sqrt(3.0);
-  from_ = positions;
+  motion->from = positions;
+  motion->leader = leader;
+  motion->tolerance = room.uncrossed / std::sqrt(3.0);
+  motion->apart_tolerance = room.apart > kLeastTolerance * outlines_.edge ? room.apart / std::sqrt(3.0) : -1.0;
+  proven_ = motion;
   // Undefined numbers, which comparisons pass over, are never near.
-  if (!isNear(positions, tolerance_)) forget();
-  return tolerance_ > 0.0;
+  if (!isNear(positions, motion->tolerance)) forget();
+  return proven_ != nullptr;
+}
+
+// The share of the motion that is done where the leader is at a place.
+double Clearance::shareAt(const Vec3& leader) const {
+  const Vec3& way = proven_->way[proven_->leader];
+  const double squared = way.squaredNorm();
+  return squared > 0.0 ? std::clamp((leader - proven_->from[proven_->leader]).dot(way) / squared, 0.0, 1.0) : 0.0;
 }
 
 bool Clearance::isNear(const Points& positions, double tolerance) const {
-  const double way = motion_[leader_].squaredNorm();
-  const double done = way > 0.0 ? (positions[leader_] - from_[leader_]).dot(motion_[leader_]) / way : 0.0;
-  const double share = std::clamp(done, 0.0, 1.0);
-  const double *x = positions.data()->data(), *from = from_.data()->data(), *motion = motion_.data()->data();
+  const Near near{proven_->from.data()->data(), proven_->way.data()->data(), shareAt(positions[proven_->leader]), tolerance};
   return parallelMax(3 * static_cast<Index>(positions.size()), kNumberBlock, [&](Index begin, Index end) {
-           return areNear(end - begin, share, tolerance, x + begin, from + begin, motion + begin) ? 0.0 : 1.0;
+           return areNear(near, begin, end, positions.data()->data()) ? 0.0 : 1.0;
+         }) == 0.0;
+}
+
+bool Clearance::staysApart(const Points& positions, const Points& velocities, double time) const {
+  if (!isApart()) return false;
+  const Index i = proven_->leader;
+  Near now{proven_->from.data()->data(), proven_->way.data()->data(), shareAt(positions[i]), proven_->apart_tolerance};
+  Near later = now;
+  later.share = shareAt(positions[i] + time * velocities[i]);
+  return parallelMax(3 * static_cast<Index>(positions.size()), kNumberBlock, [&](Index begin, Index end) {
+           return areNear(now, later, time, begin, end, positions.data()->data(), velocities.data()->data()) ? 0.0 : 1.0;
          }) == 0.0;
 }
 

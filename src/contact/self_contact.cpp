@@ -24,6 +24,7 @@ constexpr double kWatched = 1.5;
 constexpr double kLongest = 4.0;        // of the usual reach: a longer piece of a way would need too many pairs
 constexpr double kShortest = 1.0 / 64;  // of a way: pieces that are not needed shorter where nothing is near
 constexpr double kAhead = 8.0;          // calls of limit() for which the motion of the present one is predicted
+constexpr double kStepsAhead = 8.0;     // for which a motion is predicted
 constexpr Index kMostFailures = 4;      // after each, proofs are tried half as often
 constexpr int kCollisions = 8;          // passes
 constexpr double kRounding = 1e-15;     // m
@@ -72,10 +73,12 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
 void SelfContact::forgetMotion() {
   clearance_.forget();
   failures_ = pause_ = 0;
+  was_uncrossed_ = false;
 }
 
-bool SelfContact::staysUncrossed(const Points& before, const Points& after) {
-  if (clearance_.staysUncrossed(before, after)) return true;
+bool SelfContact::staysUncrossed(const Points& before, const Points& after, bool continues) {
+  was_uncrossed_ = clearance_.staysUncrossed(before, after, continues && was_uncrossed_);
+  if (was_uncrossed_) return true;
   if (pause_ > 0) {
     --pause_;
     return false;
@@ -83,6 +86,7 @@ bool SelfContact::staysUncrossed(const Points& before, const Points& after) {
   for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = after[i] - before[i];
   if (clearance_.prove(before, motion_, kAhead) && clearance_.staysUncrossed(before, after)) {
     failures_ = 0;
+    was_uncrossed_ = true;
     return true;
   }
   failures_ = std::min(failures_ + 1, kMostFailures);
@@ -91,8 +95,11 @@ bool SelfContact::staysUncrossed(const Points& before, const Points& after) {
 }
 
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
-  forgetMotion();
-  if (clearance_.prove(positions, velocities, time) && clearance_.isApart()) return false;
+  failures_ = pause_ = 0;
+  was_uncrossed_ = false;
+  if (clearance_.staysApart(positions, velocities, time)) return false;
+  for (const double steps : {kStepsAhead, 1.0})
+    if (clearance_.prove(positions, velocities, steps * time) && clearance_.isApart()) return false;
   for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = positions[i] + time * velocities[i];
   const double watched_by_all = kWatched * list_.thickness();
   const PairList::Reach reach{watched_by_all, 1.0, watched_by_all + kLongest * list_.usualReach()};
@@ -439,9 +446,9 @@ void SelfContact::stopTogether() {
   }
 }
 
-bool SelfContact::mustStop(const Points& before, const Points& after) {
+bool SelfContact::mustStop(const Points& before, const Points& after, bool continues) {
   const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
-  if (staysUncrossed(before, after) || list_.areFar(before, after, reach)) return false;
+  if (staysUncrossed(before, after, continues) || list_.areFar(before, after, reach)) return false;
   list_.update(before, after, reach);
   ways_.resize(before.size());
   bool must_stop = false;
@@ -463,10 +470,10 @@ bool SelfContact::mustStop(const Points& before, const Points& after) {
   return must_stop;
 }
 
-const std::vector<Index>& SelfContact::limit(const Points& before, Points& after) {
+const std::vector<Index>& SelfContact::limit(const Points& before, Points& after, bool continues) {
   const Index n = static_cast<Index>(before.size());
   cut_.clear();
-  if (!mustStop(before, after)) return cut_;
+  if (!mustStop(before, after, continues)) return cut_;
   // Common motion brings no parts nearer.
   Vec3 shared = Vec3::Zero();
   bool does_one_stay = false;

@@ -101,7 +101,7 @@ void Dynamics::reset() {
   now_.followed.clear();
   part_march_ = {};
   loads_.contact.setTools({});  // the rate of contact must not be measured with tools
-  if (loads_.self_contact) loads_.self_contact->setMayAct(false);
+  if (loads_.self_contact) loads_.self_contact->setMemory({});
   loads_.choose();
   now_.contact_rate = 0.0;
   setTools(params_.tools);

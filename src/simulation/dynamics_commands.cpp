@@ -275,7 +275,7 @@ void Dynamics::disturb(double size) {
   disturb(size, now_.points.positions);
   if (loads_.self_contact) {
     loads_.self_contact->contact.forgetMotion();
-    loads_.self_contact->limit.limit(before, now_.points.positions);
+    loads_.self_contact->limit.limit(before, now_.points.positions, false);
   }
   Changes changes;
   changes.everywhere = true;

@@ -22,7 +22,7 @@ void Dynamics::keepHolding(DynamicsState::Holding& holding) const {
   holding.bodies = loads_.contact.all();
   holding.evolution = evolution_->memory();
   holding.tracked = loads_.track.seen();
-  holding.may_touch_itself = loads_.self_contact && loads_.self_contact->mayAct();
+  holding.self_contact = loads_.self_contact ? loads_.self_contact->memory() : SelfContactLoads::Memory();
 }
 
 DynamicsState Dynamics::save() const {
@@ -71,7 +71,7 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   placeLoadPoints();
   loads_.track.restore(holding.tracked);
   loads_.contact.restore(holding.bodies);
-  if (loads_.self_contact) loads_.self_contact->setMayAct(holding.may_touch_itself);
+  if (loads_.self_contact) loads_.self_contact->setMemory(holding.self_contact);
   loads_.choose();
   setParts();
   part_.reset();

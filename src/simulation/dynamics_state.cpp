@@ -22,6 +22,7 @@ std::size_t bytesInside(const Grips::Grip& grip) {
   return bytesInside(grip.tool) + bytesOf(grip.points) + bytesOf(grip.places) + bytesOf(grip.edges);
 }
 std::size_t bytesInside(const std::shared_ptr<const Evolution::Memory>& evolution) { return evolution ? evolution->bytes() : 0; }
+std::size_t bytesInside(const SelfContactLoads::Memory& contact) { return contact.proven ? contact.proven->bytes() : 0; }
 std::size_t bytesInside(const Activity::Memory& activity) { return bytesOf(activity.quiet) + bytesOf(activity.moves); }
 std::size_t bytesInside(const model::State& s) {
   return bytesOf(s.positions) + bytesOf(s.velocities) + bytesOf(s.orientations) + bytesOf(s.spins) + bytesOf(s.traits) +
@@ -44,11 +45,11 @@ std::size_t sumInside(const Parts&... parts) {
 std::size_t DynamicsState::bytes() const {
   const auto& [steps, forces, watched, activity, march, part_march, has_part] = waiting;
   const auto& [points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed] = motion;
-  const auto& [integrator, grips, bodies, evolution, tracked, may_touch_itself] = holding;
+  const auto& [integrator, grips, bodies, evolution, tracked, self_contact] = holding;
   const auto& [tools, values, gravity, damping, physics] = settings;
   return sizeof(DynamicsState) + sumInside(steps, forces, watched, activity, march, part_march, has_part) +
          sumInside(points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed) +
-         sumInside(integrator, grips, bodies, evolution, tracked, may_touch_itself) +
+         sumInside(integrator, grips, bodies, evolution, tracked, self_contact) +
          sumInside(tools, values, gravity, damping, physics);
 }
 

@@ -40,7 +40,7 @@ struct DynamicsState {
     std::vector<ContactLoad::Body> bodies;
     std::shared_ptr<const Evolution::Memory> evolution;
     std::vector<TrackLoad::Seen> tracked;
-    bool may_touch_itself = false;  // in the last step
+    SelfContactLoads::Memory self_contact;
   };
   /// Changed by commands only.
   struct Settings {

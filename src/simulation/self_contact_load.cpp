@@ -137,6 +137,11 @@ void SelfContactLoads::followTriangles(const std::vector<model::WeightedTriangle
   contact.keepWhole(is_whole_);
 }
 
+void SelfContactLoads::setMemory(const Memory& memory) {
+  may_act_ = memory.may_act;
+  contact.setProven(memory.proven);
+}
+
 // Where the loads do not act, the limit still does: parts that come faster than predicted are stopped, not bounced.
 bool SelfContactLoads::beginStep(const model::State& state, double step) {
   limit.forgetStopped();

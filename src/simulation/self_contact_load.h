@@ -95,8 +95,8 @@ class SelfContactLimit : public solve::MotionLimit {
  public:
   explicit SelfContactLimit(contact::SelfContact& contact) : contact_(contact) {}
 
-  const std::vector<Index>& limit(const Points& before, Points& after) const override {
-    const std::vector<Index>& stopped = contact_.limit(before, after);
+  const std::vector<Index>& limit(const Points& before, Points& after, bool continues) const override {
+    const std::vector<Index>& stopped = contact_.limit(before, after, continues);
     stopped_.resize(before.size(), 0);
     for (const Index i : stopped) stopped_[i] = 1;
     return stopped;
@@ -125,6 +125,13 @@ class SelfContactLoads {
   void followTriangles(const std::vector<model::WeightedTriangle>& now);
   /// Checks whether the loads may act in a step of this length (s). Returns whether the answer has changed.
   bool beginStep(const model::State& state, double step);
+  /// What the next step depends on.
+  struct Memory {
+    bool may_act = false;  // in the last step
+    std::shared_ptr<const contact::ClearMotion> proven;
+  };
+  Memory memory() const { return {may_act_, contact.proven()}; }
+  void setMemory(const Memory& memory);
   bool mayAct() const { return may_act_; }
   bool rubs() const { return rubs_; }
   void setMayAct(bool may_act) { may_act_ = may_act; }

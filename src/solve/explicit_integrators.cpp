@@ -25,8 +25,8 @@ bool allFinite(const State& state) {
 }
 
 // Points that are stopped short keep the velocity of their remaining motion: a plastic impact. Held points keep theirs.
-void stopShort(const MotionLimit& limit, const System& system, const Points& before, double dt, State& state) {
-  for (const Index i : limit.limit(before, state.positions))
+void stopShort(const MotionLimit& limit, const System& system, const Points& before, double dt, bool is_first, State& state) {
+  for (const Index i : limit.limit(before, state.positions, !is_first))
     if (!system.isHeld(i)) state.velocities[i] = (state.positions[i] - before[i]) / dt;
 }
 
@@ -65,7 +65,7 @@ SolveReport ExplicitEuler::advance(const System& system, double time, double ste
     state.positions[i] += step * state.velocities[i];
     state.velocities[i] += step * acceleration;
   }
-  if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, step, state);
+  if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, step, true, state);
   system.remember(time + step, state);
   report.finite = allFinite(state);
   return report;
@@ -89,7 +89,7 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
       state.velocities[i] = decay * (state.velocities[i] + dt / system.masses()[i] * forces_[i]);
       state.positions[i] += dt * state.velocities[i];
     }
-    if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, dt, state);
+    if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, dt, s == 0, state);
     system.remember(time + (s + 1) * dt, state);
   }
   report.finite = allFinite(state);
@@ -322,7 +322,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
 // is counted at its own velocity v0: there the work is J u' - m |u' - v0|^2 / 2, never positive without held points.
 const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, const MotionLimit& limit, double dt, bool is_first,
                                                       const double* force, State& state) {
-  const std::vector<Index>& stopped = limit.limit(before_, state.positions);
+  const std::vector<Index>& stopped = limit.limit(before_, state.positions, !is_first);
   if (stopped.empty()) return stopped;
   double work = 0.0;
   for (const Index i : stopped) {

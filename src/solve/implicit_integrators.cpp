@@ -117,8 +117,8 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   begin_ = state.positions;
   state.positions = target_;
   if (const MotionLimit* const limit = system.motionLimit()) {
-    limit->limit(begin_, guess_);
-    limit->limit(begin_, state.positions);
+    limit->limit(begin_, guess_, false);
+    limit->limit(begin_, state.positions, false);
   }
   if (newton_.potential(problem, state) > energy) state.positions = guess_;
 
@@ -220,7 +220,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
     anchor_ = state.positions;
     for (Index i = 0; i < n; ++i)
       if (system.isHeld(i)) state.positions[i] = begin_[i] + step * (static_cast<double>(part) / parts) * carried_[i];
-    if (system.motionLimit()) system.motionLimit()->limit(anchor_, state.positions);
+    if (system.motionLimit()) system.motionLimit()->limit(anchor_, state.positions, false);
     if (report.carrying_work) *report.carrying_work += system.potentialEnergy(end, state);
     if (part == parts) break;
     search(system, end, step, std::max(kRough, params_.tolerance), std::min(kRoughIterations, params_.max_iterations), state,

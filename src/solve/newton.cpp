@@ -186,7 +186,7 @@ bool NewtonDescent::shorten(const System& system, const Points& positions) {
     reached_ = positions;
     for (Index i = 0; i < n; ++i)
       if (!system.isHeld(i)) reached_[i] += direction_.segment<3>(3 * i);
-    return system.motionLimit()->limit(positions, reached_);
+    return system.motionLimit()->limit(positions, reached_, false);
   };
   const std::vector<Index>& stopped = advance();
   if (stopped.empty()) return false;

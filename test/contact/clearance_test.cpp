@@ -150,6 +150,35 @@ TEST(Clearance, KnowsHowLongItHolds) {
   EXPECT_FALSE(clearance.staysUncrossed(sheet.points, sheet.points));
 }
 
+// A proof for a long time serves the steps within it.
+TEST(Clearance, HoldsForManySteps) {
+  const test::Sheets sheet = test::makeSheets(1, 8, 0.0, 0.0);
+  Clearance clearance(sheet.points, sheet.triangles, kDistance);
+  Points velocities = still(sheet.points.size());
+  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[i] = Vec3(0.0, 5.0, -10.0 * sheet.points[i].x());
+  EXPECT_FALSE(clearance.staysApart(sheet.points, velocities, 0.0));
+  ASSERT_TRUE(clearance.prove(sheet.points, velocities, 0.01));
+  const std::shared_ptr<const ClearMotion> proven = clearance.proven();
+  for (const double time : {0.0, 0.003, 0.008})
+    EXPECT_TRUE(clearance.staysApart(move(sheet.points, velocities, time), velocities, 0.002)) << time;
+  EXPECT_FALSE(clearance.staysApart(move(sheet.points, velocities, 0.008), velocities, 0.01));
+  Points others = velocities;
+  others[20].z() += 100.0;
+  EXPECT_TRUE(clearance.staysApart(sheet.points, others, 0.0));
+  EXPECT_FALSE(clearance.staysApart(sheet.points, others, 0.001));
+  others[20].z() = std::nan("");
+  EXPECT_FALSE(clearance.staysApart(sheet.points, others, 0.001));
+  // A clearance that has never tried, with what another one has proven.
+  Clearance second(sheet.points, sheet.triangles, kDistance);
+  second.setProven(proven);
+  EXPECT_TRUE(second.staysApart(sheet.points, velocities, 0.01));
+  // What is held elsewhere is not overwritten.
+  const Points from = proven->from;
+  ASSERT_TRUE(clearance.prove(roll(sheet.points, 1.0), still(from.size()), 0.0));
+  EXPECT_EQ(proven->from, from);
+  EXPECT_TRUE(second.staysApart(sheet.points, velocities, 0.01));
+}
+
 TEST(Clearance, DoesNotTakeARampForASheet) {
   // A spiral ramp of one and a quarter turns: all of it faces up, but its ends lie over each other.
   Points points;

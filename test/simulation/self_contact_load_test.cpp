@@ -233,6 +233,32 @@ TEST(SelfContactLoad, ARunFromASnapshotAndAForkAreTheSame) {
   EXPECT_EQ(s.stateHash(), hash);
 }
 
+// Also before anything touches, where a proof that nothing does serves several steps.
+TEST(SelfContactLoad, AnotherSimulationContinuesASnapshot) {
+  ContactScene scene = makeScene("drop", 4, 1.0);
+  Simulation whole(scene.params, scene.cloud);
+  std::vector<simulation::Snapshot> snapshots;
+  Index touched = 0;
+  for (int step = 0; step < 90; ++step) {
+    if (step % 15 == 4) snapshots.push_back(whole.snapshot());
+    run(whole, 1);
+    touched += step == 5 || step == 89 ? static_cast<Index>(whole.statistics().self_contacts) : 0;
+  }
+  EXPECT_GT(touched, 0);
+  for (std::size_t k = 0; k < snapshots.size(); ++k) {
+    Simulation rest(scene.params, scene.cloud);
+    run(rest, 3);
+    rest.restore(snapshots[k]);
+    run(rest, 86 - 15 * static_cast<int>(k));
+    EXPECT_EQ(rest.stateHash(), whole.stateHash()) << k;
+  }
+  whole.reset();
+  run(whole, 90);
+  Simulation again(scene.params, scene.cloud);
+  run(again, 90);
+  EXPECT_EQ(whole.stateHash(), again.stateHash());
+}
+
 // The matrix of an implicit step has blocks of the pairs in contact. Those of earlier steps must not stay in it.
 TEST(SelfContactLoad, AnImplicitRunFromASnapshotIsTheSame) {
   Simulation s = [] {

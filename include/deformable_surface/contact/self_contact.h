@@ -11,6 +11,8 @@
 #include "deformable_surface/contact/pair_list.h"
 #include "deformable_surface/linear/block_sparse.h"
 
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::contact {
@@ -35,7 +37,8 @@ struct SelfContactForce {
 };
 
 /// Contact of one surface. Not thread-safe: all functions share scratch memory. Results depend only on positions and velocities,
-/// not on earlier calls. Those of limit() also depend on what was called since the last mayTouch().
+/// not on earlier calls. Those of mayTouch() also depend on what was proven() before, those of limit() on what was called since
+/// the last mayTouch().
 class SelfContact {
  public:
   /// rest: (n) m; masses: (n) kg. Parts that pass through each other at rest have no contact there: see PairList.
@@ -48,6 +51,9 @@ class SelfContact {
   /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
   /// changing at its present rate. Checks only pairs that are nearer than 1.5 thicknesses plus four times PairList::usualReach().
   bool mayTouch(const Points& positions, const Points& velocities, double time);
+  /// What is known of the present motion, for snapshots. See Clearance.
+  std::shared_ptr<const ClearMotion> proven() const { return clearance_.proven(); }
+  void setProven(std::shared_ptr<const ClearMotion> proven) { clearance_.setProven(std::move(proven)); }
   /// Whether no two parts cross on straight paths from before to after, (n x 3) m, nor are nearer than their thickness at the
   /// end. False also where 64 pieces of the paths do not tell, as for paths of hundreds of spacings.
   bool staysApart(const Points& before, const Points& after);
@@ -79,7 +85,8 @@ class SelfContact {
   /// Parts that would come too near collide inelastically. Where that does not suffice, they move on together. Both dissipate
   /// energy and conserve momentum. Points that do not move stay, and stop the parts that would move on with them. Returns the
   /// points whose paths were changed, ascending; valid until the next call. What Clearance proves not to cross is not changed.
-  const std::vector<Index>& limit(const Points& before, Points& after);
+  /// continues: `before` is where the last call ended, which saves a check.
+  const std::vector<Index>& limit(const Points& before, Points& after, bool continues = false);
 
   /// Number of pairs nearer than their thickness, and their forces. anchors: as in addFriction().
   Index countTouching(const Points& positions);
@@ -125,9 +132,9 @@ class SelfContact {
   /// Sliding velocity, m/s, along the surfaces.
   static Vec3 findSliding(const Near& near, const Points& velocities);
 
-  bool staysUncrossed(const Points& before, const Points& after);
+  bool staysUncrossed(const Points& before, const Points& after, bool continues);
   /// Whether a pair may use up its room on the paths.
-  bool mustStop(const Points& before, const Points& after);
+  bool mustStop(const Points& before, const Points& after, bool continues);
   static bool touches(const Near& near);
   /// Adds the block, given at the gap, to the blocks of the pair's vertices.
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
@@ -153,6 +160,7 @@ class SelfContact {
   void stopTogether();
 
   Clearance clearance_;
+  bool was_uncrossed_ = false;                      // by clearance_, where the last call of limit() ended
   Index failures_ = 0, pause_ = 0;                  // proofs that failed in a row, and calls of limit() until the next one
   Points motion_;                                   // m, scratch
   Points way_, piece_begin_, piece_end_, reached_;  // m, of staysApart()

@@ -12,8 +12,9 @@ class MotionLimit {
   virtual ~MotionLimit() = default;
 
   /// Shortens the straight motion of each point from `before` to `after` (n x 3, m), also of held points that are carried. Any
-  /// part of the shortened motion is admissible, too. Returns the stopped points, ascending; valid until the next call.
-  virtual const std::vector<Index>& limit(const Points& before, Points& after) const = 0;
+  /// part of the shortened motion is admissible, too. continues: `before` is where the last call ended. Returns the stopped
+  /// points, ascending; valid until the next call.
+  virtual const std::vector<Index>& limit(const Points& before, Points& after, bool continues) const = 0;
 };
 
 }  // namespace deformable_surface::solve
