@@ -1,9 +1,10 @@
 // Part 14: other programs beside this one in the same run, each with its error: a hanging sheet with Bullet's deformable bodies,
-// and what peers_clouds.cpp compares. Only what is installed when the benchmark is configured takes part; nothing of it is linked
-// into the package.
+// and what peers_clouds.cpp and peers_contact.cpp compare. Only what is installed when the benchmark is configured takes part;
+// nothing of it is linked into the package.
 #include "../src/simulation/dynamics.h"
 #include "deformable_surface/base/parallel.h"
 #include "peers_clouds.h"
+#include "peers_contact.h"
 #include "sections.h"
 #include "swinging_sheet.h"
 
@@ -151,6 +152,10 @@ void addBullet(Report& report) {
 
 void runPeersSection(const Options& options, Report& report) {
   setNumThreads(1);
+  if (options.scene == "contact") {
+    compareContact(report);
+    return setNumThreads(0);
+  }
   report.begin("peers_sheet",
                "14. A sheet of " + std::to_string(kSide * kSide) + " points that hangs from two corners, " + show(kDuration) +
                    " s, frames of 1/60 s, one thread",
@@ -167,6 +172,7 @@ void runPeersSection(const Options& options, Report& report) {
       "many sub-steps, uncertain by its distance from that in 8 times as many; of Bullet Richardson's extrapolation");
   compareNeighbors(options, report);
   compareNormals(options, report);
+  if (options.large) compareContact(report);
   setNumThreads(0);
 }
 

@@ -10,7 +10,7 @@ struct Options {
   bool large = false;        // clouds of a million points, and rows that take long
   double budget = 0.2;       // s of repetitions per row
   std::string folder = ".";  // where CSV files go
-  std::string scene;         // accuracy, simplification, camera, growth, physics: those whose names begin so; empty = all
+  std::string scene;         // accuracy, simplification, camera, growth, peers, physics: names begin so; empty = all
   Index first_scene = 0;     // calibration, varied targets: seeds of the scenes
   Index num_scenes = 0;      // 0: those that the part names
   bool varied = false;       // calibration, targets: scenes of the families of test/support/varied_scene.h
