@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the clouds of scenes/clouds, after the figures of the paper on meshfree elasticity with point cloud geodesics: outlines of
-our own, filled with points. Can make them finer or with other gaps.
+"""Writes the clouds of scenes/clouds: outlines of our own, filled with points. Those without thickness and the bars are after the
+figures of the paper on meshfree elasticity with point cloud geodesics. Can make them finer or with other gaps.
   make_clouds.py [FOLDER]      default: scenes/clouds beside this script. The same files every time."""
 import math
 import os
@@ -50,6 +50,28 @@ def make_trousers(spacing):
     """Trousers, a metre high, y upwards. The legs are 1.75 spacings apart from the crotch down."""
     slit = 0.5 * 1.75 * spacing
     return mirror([(0.0, 1.0), (0.19, 1.0), (0.2, 0.93), (0.21, 0.76), (0.2, 0.35), (0.19, 0.0), (slit, 0.0), (slit, 0.7), (0.0, 0.715)])
+
+
+def distance_to(x, y, piece):
+    """From a straight piece of an outline."""
+    (ax, ay), (bx, by) = piece
+    along = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2)
+    along = max(0.0, min(1.0, along))
+    return math.hypot(x - ax - along * (bx - ax), y - ay - along * (by - ay))
+
+
+def make_shirt(spacing, depth=0.05, width=0.12):
+    """A shirt, 0.66 m high, y upwards. Front and back meet at the seams and are 2 depth apart from width on; open at hem, cuffs and
+    neck. x, y, z."""
+    right = [(0.0, 0.0), (0.25, 0.0), (0.24, 0.4), (0.37, 0.31), (0.43, 0.45), (0.22, 0.64), (0.1, 0.665), (0.05, 0.615), (0.0, 0.6)]
+    pieces = list(zip(right, right[1:]))
+    seams = pieces[1:3] + pieces[4:6]
+    points = []
+    for x, y in fill(mirror(right), spacing):
+        distance = min(distance_to(abs(x), y, seam) for seam in seams)
+        z = depth * math.sqrt(1.0 - (1.0 - min(distance, width) / width) ** 2)
+        points += [(x, y, z), (x, y, -z)] if distance > 1e-9 else [(x, y, 0.0)]
+    return points
 
 
 def make_octopus(spacing):
@@ -104,6 +126,7 @@ def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "scenes", "clouds")
     os.makedirs(folder, exist_ok=True)
     write(folder, "trousers", "trousers in the plane z = 0", [p + (0.0,) for p in fill(make_trousers(0.02), 0.02)])
+    write(folder, "shirt", "a shirt", make_shirt(0.02))
     write(folder, "octopus", "an octopus in the plane z = 0", [p + (0.0,) for p in fill(make_octopus(0.012), 0.012)])
     write(folder, "two_bars_lattice", "two bars in the plane y = 0", [(x, 0.0, z) for x, z in make_lattice_bars(0.02)])
     write(folder, "two_bars_block", "two bars that fill space", make_block_bars(0.025))
