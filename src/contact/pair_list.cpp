@@ -82,7 +82,8 @@ PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double t
   for (const auto& [a, b] : edges_) lengths.push_back((rest_[a] - rest_[b]).norm());
   median_edge_ = lengths.empty() ? 0.0 : findMedian(std::move(lengths));
   usual_radius_ = std::max(kUsualRadius * median_edge_, 2.0 * thickness);
-  findCrossed();
+  findCrossed(rest_);
+  at_rest_ = crossed_;
 }
 
 void PairList::keepWhole(const std::vector<char>& is_whole) {
@@ -100,18 +101,25 @@ void PairList::keepWhole(const std::vector<char>& is_whole) {
   nearest_ = -1.0;
 }
 
-void PairList::findCrossed() {
+bool PairList::findCrossed(const Points& positions) {
+  std::vector<std::array<Index, 2>> before;
+  before.swap(crossed_);
+  crossings_.clear();
   std::vector<Box> boxes;
-  for (const Triangle& t : triangles_) boxes.push_back(boundOf(rest_, t));
+  for (const Triangle& t : triangles_) boxes.push_back(boundOf(positions, t));
   const BoxTree tree(boxes);
   std::vector<char> crosses(triangles_.size(), 0);
-  for (const Edge& edge : edges_) {
-    const Vec3 &p = rest_[edge[0]], &q = rest_[edge[1]];
-    tree.visitMeeting(boundOf(rest_, edge), [&](Index t) {
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    if (!is_edge_whole_.empty() && is_edge_whole_[e] == 0) continue;
+    const Edge& edge = edges_[e];
+    const Vec3 &p = positions[edge[0]], &q = positions[edge[1]];
+    tree.visitMeeting(boundOf(positions, edge), [&](Index t) {
       const Triangle& v = triangles_[t];
       const bool are_joined = std::any_of(v.begin(), v.end(), [&](Index i) { return i == edge[0] || i == edge[1]; });
-      if (are_joined || !pierces(p, q, rest_[v[0]], rest_[v[1]], rest_[v[2]])) return;
-      if (std::none_of(crosses.begin(), crosses.end(), [](char c) { return c != 0; })) first_crossing_ = 0.5 * (p + q);
+      const bool is_cut = !is_whole_.empty() && is_whole_[t] == 0;
+      if (are_joined || is_cut || !pierces(p, q, positions[v[0]], positions[v[1]], positions[v[2]])) return;
+      if (crossings_.empty()) first_crossing_ = 0.5 * (p + q);
+      crossings_.push_back({static_cast<Index>(e), t});
       crosses[t] = 1;
       for (const Index e : edge)
         for (const Index i : v) crossed_.push_back({std::min(e, i), std::max(e, i)});
@@ -120,6 +128,10 @@ void PairList::findCrossed() {
   std::sort(crossed_.begin(), crossed_.end());
   crossed_.erase(std::unique(crossed_.begin(), crossed_.end()), crossed_.end());
   num_crossed_ = std::count(crosses.begin(), crosses.end(), char{1});
+  if (crossed_ == before) return false;
+  for (Couple& couple : couples_) couple.radius = -1.0;
+  nearest_ = -1.0;
+  return true;
 }
 
 bool PairList::isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair) {
@@ -322,7 +334,8 @@ void PairList::offer(const Points& positions, Pair pair, Couple& couple) const {
   const double squared = findClosest(pair, positions).squaredDistance();
   if (!(squared < couple.radius * couple.radius) || (!crossed_.empty() && isAnyIn(crossed_, pair))) return;
   const double at_rest = std::sqrt(findClosest(pair, rest_).squaredDistance());
-  pair.thickness = std::min(thickness_, kOfRest * at_rest);
+  const bool was_crossed = !at_rest_.empty() && isAnyIn(at_rest_, pair);
+  pair.thickness = was_crossed ? thickness_ : std::min(thickness_, kOfRest * at_rest);
   if (kOfRestJoined * at_rest < thickness_ && isAnyIn(edges_, pair)) pair.thickness = kOfRestJoined * at_rest;
   if (pair.thickness > 0.0) couple.listed.push_back({pair, std::sqrt(squared)});
 }

@@ -102,6 +102,7 @@ void Dynamics::reset() {
   part_march_ = {};
   loads_.contact.setTools({});  // the rate of contact must not be measured with tools
   if (loads_.self_contact) loads_.self_contact->setMemory({});
+  findTangles();
   loads_.choose();
   now_.contact_rate = 0.0;
   setTools(params_.tools);
@@ -166,6 +167,14 @@ void Dynamics::placePointsBetween() {
 void Dynamics::followCuts() {
   SelfContactLoads* const self = loads_.self_contact.get();
   if (self && (evolution_->memory() || self->isCut())) self->followTriangles(trianglesOf(*model_));
+}
+
+// Positions are new. Looks for what crosses itself, if that is to be pushed apart.
+void Dynamics::findTangles() {
+  if (!params_.contact.untangle) return;
+  SelfContactLoads& self = *loads_.self_contact;
+  self.followCrossings(now_.points.positions);
+  untangling_ = {static_cast<Index>(self.contact.pairs().crossings().size()), 0.0, false};
 }
 
 // Once, when the first force with a radius comes.

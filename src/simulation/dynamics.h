@@ -166,6 +166,9 @@ class Dynamics {
   void giveContactTools();
   void placePointsBetween();
   void followCuts();
+  void findTangles();
+  bool untangles() const;
+  std::string describeCrossed() const;
   void placeLoadPoints();
   bool applyMaterial();
   void followMaterial();
@@ -211,6 +214,7 @@ class Dynamics {
   solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
   void settleContact(double now, solve::TimeMarch::Outcome& taken);
   std::string describeStopped();
+  std::string endUntangling(double dt);
   static void refuse(const std::string& why, Outcome& outcome);
   bool beginElsewhere(const Request& request);
   bool isHeldAround() const;
@@ -280,7 +284,8 @@ class Dynamics {
   Index last_substeps_ = 0;
   LooseParts loose_;                   // of static steps
   bool has_reported_stopped_ = false;  // since the last reset
-  Index reported_loose_ = 0;           // points of loose parts, as said last since the last reset
+  UntanglingProgress untangling_;
+  Index reported_loose_ = 0;   // points of loose parts, as said last since the last reset
   DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion
   bool has_slept_ = false;     // through that step
   NamedForces::Update woken_;  // by the step that is taken

@@ -214,6 +214,7 @@ Changes Dynamics::perform(const command::SetState& c) {
     now_.points.dissipated = c.state.dissipated;
     adopt(*model_, now_.points);
   }
+  findTangles();
   part_.reset();
   part_march_ = {};
   activity_.reset();

@@ -23,6 +23,7 @@ void Dynamics::keepHolding(DynamicsState::Holding& holding) const {
   holding.evolution = evolution_->memory();
   holding.tracked = loads_.track.seen();
   holding.self_contact = loads_.self_contact ? loads_.self_contact->memory() : SelfContactLoads::Memory();
+  holding.untangling = untangling_;
 }
 
 DynamicsState Dynamics::save() const {
@@ -72,6 +73,8 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   loads_.track.restore(holding.tracked);
   loads_.contact.restore(holding.bodies);
   if (loads_.self_contact) loads_.self_contact->setMemory(holding.self_contact);
+  findTangles();
+  untangling_ = holding.untangling;
   loads_.choose();
   setParts();
   part_.reset();

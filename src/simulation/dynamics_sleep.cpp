@@ -19,6 +19,7 @@ bool Dynamics::maySleep() const {
   if (params_.sleep.mode == Sleep::kAuto && params_.integrator.type == IntegratorType::kExplicitEuler) return false;
   if (!loads_.track.seen().empty()) return false;
   if (params_.output.resample) return false;  // points may be inserted in the next step
+  if (untangles()) return false;
   return evolution_->maySleep();
 }
 

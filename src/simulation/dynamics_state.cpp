@@ -45,11 +45,11 @@ std::size_t sumInside(const Parts&... parts) {
 std::size_t DynamicsState::bytes() const {
   const auto& [steps, forces, watched, activity, march, part_march, has_part] = waiting;
   const auto& [points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed] = motion;
-  const auto& [integrator, grips, bodies, evolution, tracked, self_contact] = holding;
+  const auto& [integrator, grips, bodies, evolution, tracked, self_contact, untangling] = holding;
   const auto& [tools, values, gravity, damping, physics] = settings;
   return sizeof(DynamicsState) + sumInside(steps, forces, watched, activity, march, part_march, has_part) +
          sumInside(points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed) +
-         sumInside(integrator, grips, bodies, evolution, tracked, self_contact) +
+         sumInside(integrator, grips, bodies, evolution, tracked, self_contact, untangling) +
          sumInside(tools, values, gravity, damping, physics);
 }
 

@@ -41,6 +41,7 @@ struct DynamicsState {
     std::shared_ptr<const Evolution::Memory> evolution;
     std::vector<TrackLoad::Seen> tracked;
     SelfContactLoads::Memory self_contact;
+    UntanglingProgress untangling;
   };
   /// Changed by commands only.
   struct Settings {

@@ -18,6 +18,7 @@ namespace {
 constexpr double kMostGrowth = 0.5;  // of the spacing: the most by which tools grow towards points that press on them
 // Share of the surface's area that is not worth a word: even sheets have up to 0.03.
 constexpr double kNoContact = 0.05;
+constexpr double kPatience = 0.5;  // s without fewer crossings, until nothing is pushed apart any longer
 constexpr int kMostSettling = 20;  // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
 
 }  // namespace
@@ -139,6 +140,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
     placeLoadPoints();
     loads_.forces.followCut();
   }
+  appendNotice(outcome.notice, endUntangling(dt));
   Changes changes;
   // Stored data of the whole surface are void once it is cut.
   changes.parts = changes.motion = outcome.has_cut;
@@ -155,12 +157,8 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
 void Dynamics::beginSelfContact(double dt, std::string& notice) {
   if (!loads_.self_contact) return;
   const contact::PairList& pairs = loads_.self_contact->contact.pairs();
-  if (steps_ == 0 && pairs.numCrossed() > 0) {
-    const Vec3& place = pairs.firstCrossing();
-    appendNotice(notice, std::to_string(pairs.numCrossed()) + " triangles are crossed by others at rest, one of them near (" +
-                             formatShort(place.x()) + ", " + formatShort(place.y()) + ", " + formatShort(place.z()) +
-                             ") m: there the surface passes through itself");
-  }
+  const bool is_told = params_.contact.untangle ? std::exchange(untangling_.is_told, true) : steps_ > 0;
+  if (!is_told && pairs.numCrossed() > 0) appendNotice(notice, describeCrossed());
   if (steps_ == 0) {
     const double share = loads_.self_contact->skin()->share_without;
     if (share > kNoContact)
@@ -169,9 +167,39 @@ void Dynamics::beginSelfContact(double dt, std::string& notice) {
                        " % of the surface's area has no contact with itself, because triangles overlap there at rest: "
                        "layers nearer than some spacings, or a very uneven cloud; parts can pass through each other there");
   }
-  if (!loads_.self_contact->beginStep(now_.points, dt)) return;
+  if (!loads_.self_contact->beginStep(now_.points, dt, untangles())) return;
   if (!loads_.self_contact->mayAct()) now_.points.self_friction.clear();
   followLoads();
+}
+
+// Whether crossed parts are being pushed apart.
+bool Dynamics::untangles() const {
+  return params_.contact.untangle && untangling_.time < kPatience && loads_.self_contact->contact.pairs().numCrossed() > 0;
+}
+
+std::string Dynamics::describeCrossed() const {
+  const contact::PairList& pairs = loads_.self_contact->contact.pairs();
+  const Vec3& place = pairs.firstCrossing();
+  const bool untangles = params_.contact.untangle;
+  return std::to_string(pairs.numCrossed()) + " triangles are crossed by others" + (untangles ? "" : " at rest") +
+         ", one of them near (" + formatShort(place.x()) + ", " + formatShort(place.y()) + ", " + formatShort(place.z()) +
+         ") m: " + (untangles ? "they are pushed apart" : "there the surface passes through itself");
+}
+
+// What crosses is looked for after each step, until nothing does: contact then keeps it so.
+std::string Dynamics::endUntangling(double dt) {
+  if (!params_.contact.untangle || loads_.self_contact->contact.pairs().numCrossed() == 0) return "";
+  SelfContactLoads& self = *loads_.self_contact;
+  const bool has_pushed = self.pushes();
+  self.followCrossings(now_.points.positions);
+  if (has_pushed) followLoads();
+  const Index num = static_cast<Index>(self.contact.pairs().crossings().size());
+  const bool has_fewer = num < untangling_.fewest, was_patient = untangling_.time < kPatience;
+  untangling_ = {std::min(num, untangling_.fewest), has_fewer ? 0.0 : untangling_.time + dt, true};
+  if (num == 0) return "the surface does not pass through itself any longer";
+  if (!was_patient || untangling_.time < kPatience) return "";
+  return std::to_string(self.contact.pairs().numCrossed()) +
+         " triangles are still crossed by others and are not pushed apart any longer: the surface goes on passing through itself";
 }
 
 // Reported once until the next reset.

@@ -263,6 +263,15 @@ std::string ErrorEstimator::followTools(const Dynamics& level, double lasting) {
          " is in the surface, between the points that touch tools";
 }
 
+// Returns a sentence when parts of a body first touch: its copies' parts do so at other times and places.
+std::string ErrorEstimator::followMeeting(const Dynamics& level) {
+  SelfContactLoads* const self = level.loads().self_contact.get();
+  if (!is_body_ || seen_.has_met || !self || self->contact.countTouching(level.state().positions) == 0) return "";
+  seen_.has_met = true;
+  return "error_estimate is far above the error until the next reset: parts of the body have met, and those of its coarser "
+         "copies meet at other times";
+}
+
 // Of few points two steps at once take less time than each on several threads.
 std::pair<Dynamics::Outcome, Dynamics::Outcome> ErrorEstimator::stepBoth(Dynamics& a, Dynamics& b) {
   stepped_.insert(stepped_.end(), {&a, &b});
@@ -334,6 +343,7 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
   if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
   std::string notice = followTools(level, lasting);
+  appendNotice(notice, followMeeting(level));
   hold(seen_.twin_distance, findLargestDistance(besideTwin().state().positions, twin_->state().positions));
 
   const bool was_chaotic = seen_.is_chaotic;

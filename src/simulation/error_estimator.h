@@ -97,6 +97,7 @@ class ErrorEstimator {
     bool is_lost = false, is_chaotic = false, has_dented = false;
     bool may_buckle = false;                        // chaotic, dented or with others, or nearly so, at any time
     bool is_unbalanced = false;                     // the last equilibrium is none
+    bool has_met = false;                           // parts of the body touch, or have touched
     bool has_unfelt = false;                        // a tool was in the surface and pushed nothing
     bool has_searched = false, has_others = false;  // twice for the first equilibrium; and found more than one
     double others = 0.0;                            // m, how far away the other one is; infinite: it was not found
@@ -111,6 +112,7 @@ class ErrorEstimator {
   double measureTime(solve::IntegratorType type) const;
   Buckling judgeBuckling(const Dynamics& level);
   std::string followTools(const Dynamics& level, double lasting);
+  std::string followMeeting(const Dynamics& level);
 
   // Constants.
   bool is_body_ = false;                                // see CoarserLevel

@@ -26,7 +26,9 @@ void LoadSet::choose() {
   add(contact_damping);
   add(friction);
   add(track);
-  if (!self_contact || !self_contact->mayAct()) return;
+  if (!self_contact) return;
+  if (self_contact->pushes()) acting_.push_back(&self_contact->untangling);
+  if (!self_contact->mayAct()) return;
   acting_.push_back(&self_contact->springs);
   acting_.push_back(&self_contact->damping);
   if (self_contact->rubs()) acting_.push_back(&self_contact->friction);

@@ -56,6 +56,9 @@ void requireModel(Fields& fields, const SceneParams& p) {
                  "found true with " + p.model +
                      ", whose parts do not meet; accepted: false, or model: " + listModels(&ModelTraits::meets_itself));
   fields.require(
+      !p.contact.untangle || p.integrator.type != solve::IntegratorType::kStatic, "contact.untangle",
+      "found true with integrator.type: static, which has no time to push parts apart; accepted: false, or another type");
+  fields.require(
       traits.is_tuned || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
       "found a target, but only " + listModels(&ModelTraits::is_tuned) + " has its points chosen by the error; accepted: 0");
   fields.require(traits.is_timed || !(p.accuracy.step_budget > 0.0), "accuracy.step_budget",

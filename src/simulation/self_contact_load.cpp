@@ -143,10 +143,20 @@ void SelfContactLoads::setMemory(const Memory& memory) {
 }
 
 // Where the loads do not act, the limit still does: parts that come faster than predicted are stopped, not bounced.
-bool SelfContactLoads::beginStep(const model::State& state, double step) {
+bool SelfContactLoads::beginStep(const model::State& state, double step, bool untangles) {
   limit.forgetStopped();
   const bool may_act = contact.mayTouch(state.positions, state.velocities, step);
-  return std::exchange(may_act_, may_act) != may_act;
+  const bool pushes = untangles && contact.beginPushing(state.positions);
+  const bool has_changed = pushes != pushes_ || may_act != may_act_;
+  may_act_ = may_act;
+  pushes_ = pushes;
+  return has_changed;
+}
+
+void SelfContactLoads::followCrossings(const Points& positions) {
+  contact.findCrossed(positions);
+  contact.endPushing();
+  pushes_ = false;
 }
 
 }  // namespace deformable_surface::simulation

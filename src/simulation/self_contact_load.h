@@ -91,6 +91,35 @@ class SelfFriction : public solve::ExternalLoad {
   contact::SelfContact& contact_;
 };
 
+/// How far crossed parts have been pushed apart.
+struct UntanglingProgress {
+  Index fewest = 0;   // crossings of an edge and a triangle, since the state was given
+  double time = 0.0;  // s, since there were as few for the first time
+  bool is_told = false;
+};
+
+/// The forces that push apart what crosses.
+class Untangling : public solve::ExternalLoad {
+ public:
+  explicit Untangling(contact::SelfContact& contact) : contact_(contact) {}
+
+  void addForces(double, const model::State& state, Points& forces) const override {
+    contact_.addPushes(state.velocities, forces);
+  }
+  double estimateWork(double, double, const model::State& before, const model::State& after) const override {
+    return contact_.workOfPushes(before.positions, after.positions);
+  }
+  void addStiffness(double, const model::State&, double step, BlockSparse& stiffness) const override {
+    contact_.addPushStiffness(step, stiffness);
+  }
+  void addRowBounds(double, const model::State&, std::vector<double>&, std::vector<double>& damping) const override {
+    contact_.addPushRowBounds(damping);
+  }
+
+ private:
+  contact::SelfContact& contact_;
+};
+
 class SelfContactLimit : public solve::MotionLimit {
  public:
   explicit SelfContactLimit(contact::SelfContact& contact) : contact_(contact) {}
@@ -123,8 +152,11 @@ class SelfContactLoads {
   bool isCut() const { return std::count(is_whole_.begin(), is_whole_.end(), char{0}) > 0; }
   /// Leaves out what is no longer among the triangles of the surface.
   void followTriangles(const std::vector<model::WeightedTriangle>& now);
-  /// Checks whether the loads may act in a step of this length (s). Returns whether the answer has changed.
-  bool beginStep(const model::State& state, double step);
+  /// Checks whether the loads may act in a step of this length (s), and chooses how to push crossed parts apart if they are to be
+  /// (`untangles`). Returns whether other loads act than before.
+  bool beginStep(const model::State& state, double step, bool untangles);
+  /// What crosses now has no contact, and nothing is pushed until the next step.
+  void followCrossings(const Points& positions);
   /// What the next step depends on.
   struct Memory {
     bool may_act = false;  // in the last step
@@ -133,6 +165,7 @@ class SelfContactLoads {
   Memory memory() const { return {may_act_, contact.proven()}; }
   void setMemory(const Memory& memory);
   bool mayAct() const { return may_act_; }
+  bool pushes() const { return pushes_; }
   bool rubs() const { return rubs_; }
   void setMayAct(bool may_act) { may_act_ = may_act; }
   /// Number of points stopped since the step began.
@@ -142,13 +175,14 @@ class SelfContactLoads {
   const SelfContactLoad springs{contact};
   const SelfContactDamping damping{contact};
   const SelfFriction friction{contact};
+  const Untangling untangling{contact};
   SelfContactLimit limit{contact};
 
  private:
   const std::shared_ptr<const ContactSkin> skin_;
   std::vector<char> is_whole_;  // (triangles)
   const bool rubs_;
-  bool may_act_ = false;
+  bool may_act_ = false, pushes_ = false;
 };
 
 }  // namespace deformable_surface::simulation

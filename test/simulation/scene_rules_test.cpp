@@ -99,5 +99,15 @@ TEST(SceneRules, ContactOfASurfaceWithItselfNeedsTriangles) {
   EXPECT_TRUE(isRefused(scene, "contact.self"));
 }
 
+TEST(SceneRules, UntanglingNeedsContactAndTime) {
+  SceneParams scene;
+  scene.contact.untangle = true;
+  EXPECT_TRUE(isRefused(scene, "contact.untangle"));
+  scene.contact.self = true;
+  EXPECT_FALSE(isRefused(scene, "contact.untangle"));
+  scene.integrator.type = solve::IntegratorType::kStatic;
+  EXPECT_TRUE(isRefused(scene, "contact.untangle"));
+}
+
 }  // namespace
 }  // namespace deformable_surface::simulation

@@ -26,6 +26,11 @@ inline Closest findClosest(const Pair& pair, const Points& positions) {
   return pair.is_edges ? findClosestOfEdges(a, b, c, d) : findClosestToTriangle(a, b, c, d);
 }
 
+/// An edge that passes through the inside of a triangle.
+struct Crossing {
+  Index edge, triangle;
+};
+
 /// Lists the near pairs, and determines how long the list is valid.
 ///
 /// The surface is divided into patches. Each couple of near patches has a list of its own. The list remains valid until the two
@@ -50,6 +55,10 @@ class PairList {
   /// without triangles stay. The pairs that remain are those of before, so none begins in contact.
   void keepWhole(const std::vector<char>& is_whole);
 
+  /// From now on, what passes through each other at these positions is omitted in place of what does so at rest. Pairs that have
+  /// been set free push each other at the whole thickness. Returns whether anything has changed. O(n log n).
+  bool findCrossed(const Points& positions);
+
   /// Whether no pair is within reach at `positions`, for paths from there to `next`: true only if that is quick to tell.
   bool areFar(const Points& positions, const Points& next, const Reach& reach) const;
   /// Ensures that every pair is listed that is within reach at `positions`, for paths from there to `next`.
@@ -71,9 +80,15 @@ class PairList {
     }
   }
   double thickness() const { return thickness_; }
-  /// Number of triangles that are crossed by edges of others at rest.
+  double medianEdge() const { return median_edge_; }  // m, at rest
+  /// Number of triangles that are crossed by edges of others, at rest or at the last findCrossed().
   Index numCrossed() const { return num_crossed_; }
-  const Vec3& firstCrossing() const { return first_crossing_; }  // m, at rest; only if there is one
+  const Vec3& firstCrossing() const { return first_crossing_; }          // m; only if there is one
+  const std::vector<Crossing>& crossings() const { return crossings_; }  // ascending by edge
+  const std::vector<Edge>& edges() const { return edges_; }              // ascending
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  /// (edges), 0: all triangles at it are cut; empty: none is.
+  const std::vector<char>& areEdgesWhole() const { return is_edge_whole_; }
   /// m: a search up to this distance costs no more than one for touching pairs.
   double usualReach() const { return kUsualReach * usual_radius_; }
   /// Number of searches of couples of patches.
@@ -107,7 +122,6 @@ class PairList {
     std::vector<Ball> vertices, edges, triangles;
   };
 
-  void findCrossed();
   /// Whether a vertex of each primitive are one of the couples, which are ascending, the lower vertex first.
   static bool isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair);
   void findCouples(const Points& positions, double reach);
@@ -126,7 +140,9 @@ class PairList {
   double median_edge_ = 0.0;                    // m, at rest
   std::vector<char> is_whole_, is_edge_whole_;  // (triangles), (edges); empty: all are
   double usual_radius_ = 0.0;                   // m, of a search
-  std::vector<std::array<Index, 2>> crossed_;   // an end of an edge and a corner of a triangle that it crosses at rest
+  std::vector<Crossing> crossings_;
+  std::vector<std::array<Index, 2>> crossed_;  // an end of an edge and a corner of a triangle that it crosses
+  std::vector<std::array<Index, 2>> at_rest_;  // the same at rest
   Index num_crossed_ = 0;
   Vec3 first_crossing_ = Vec3::Zero();
 

@@ -9,6 +9,7 @@
 #include "deformable_surface/contact/friction_anchors.h"
 #include "deformable_surface/contact/friction_law.h"
 #include "deformable_surface/contact/pair_list.h"
+#include "deformable_surface/contact/untangling.h"
 #include "deformable_surface/linear/block_sparse.h"
 
 #include <memory>
@@ -81,6 +82,21 @@ class SelfContact {
   /// Updates the places at which pairs stick, in place.
   void moveAnchors(const Points& positions, const Points& velocities, std::vector<PairAnchor>& anchors);
 
+  /// From now on, what crosses at these positions has no contact, in place of what does so at rest: see PairList. Returns whether
+  /// anything has changed.
+  bool findCrossed(const Points& positions);
+  /// Chooses the forces that push crossed parts apart from these positions on: constant, against dampers as strong as the
+  /// critical ones of springs. Returns whether there are any.
+  bool beginPushing(const Points& positions);
+  void endPushing() { pushes_.clear(); }
+  /// Adds these forces, N.
+  void addPushes(const Points& velocities, Points& forces) const;
+  /// Work of the constant part, J.
+  double workOfPushes(const Points& before, const Points& after) const;
+  /// As addStiffness() and addRowBounds(), of these forces.
+  void addPushStiffness(double step, BlockSparse& stiffness) const;
+  void addPushRowBounds(std::vector<double>& damping) const;
+
   /// Changes straight paths from `before` to `after` so that no two parts cross at any time, with all points at constant speed.
   /// Parts that would come too near collide inelastically. Where that does not suffice, they move on together. Both dissipate
   /// energy and conserve momentum. Points that do not move stay, and stop the parts that would move on with them. Returns the
@@ -132,9 +148,12 @@ class SelfContact {
   /// Sliding velocity, m/s, along the surfaces.
   static Vec3 findSliding(const Near& near, const Points& velocities);
 
+  double forceOf(const Push& push) const;    // N
+  double dampingOf(const Push& push) const;  // N s/m, along the direction
   bool staysUncrossed(const Points& before, const Points& after, bool continues);
   /// Whether a pair may use up its room on the paths.
   bool mustStop(const Points& before, const Points& after, bool continues);
+  void forgetNear();
   static bool touches(const Near& near);
   /// Adds the block, given at the gap, to the blocks of the pair's vertices.
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
@@ -179,6 +198,7 @@ class SelfContact {
   std::vector<char> is_cut_;
   std::vector<Index> cut_;
   std::vector<PairAnchor> next_;
+  std::vector<Push> pushes_;
 };
 
 }  // namespace deformable_surface::contact

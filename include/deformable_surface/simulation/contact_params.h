@@ -9,6 +9,7 @@ namespace deformable_surface::simulation {
 struct ContactParams {
   Index cloud_points = 8;           // 0 .. 64: per cell, beside its simulation point, that touch tools
   bool self = false;                // parts of the surface do not pass through each other
+  bool untangle = false;            // parts that pass through each other at rest are pushed apart
   OrAuto<double> thickness;         // m, > 0; auto = that of the material; of solids a fifth of the spacing
   double friction = 0.0;            // Coulomb's coefficient, >= 0
   OrAuto<double> kinetic_friction;  // coefficient of kinetic friction, at most the static one; auto = friction
@@ -19,12 +20,14 @@ inline void visit(Fields& fields, ContactParams& p) {
                  "points of the cloud around each simulation point that touch solid tools as well (mass_spring); 0 = simulation "
                  "points alone");
   fields.flag("self", p.self, "parts of a mass-spring surface, or of an elastic solid in space, do not pass through each other");
+  fields.flag("untangle", p.untangle, "parts that pass through each other at rest are pushed apart; with `self`");
   fields.number("thickness", p.thickness, "m", between(1e-9, kMaxLength),
                 "distance at which parts of the surface begin to push each other apart; `auto` = material.thickness, of "
                 "elastic solids a fifth of the spacing of the simulation points");
   fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb coefficient between parts of the surface");
   fields.number("kinetic_friction", p.kinetic_friction, "", between(0.0, 1e3),
                 "Coulomb coefficient between parts that slide over each other, at most `friction`; `auto` = friction");
+  fields.require(p.self || !p.untangle, "untangle", "found true without self; accepted: true with self");
   fields.require(p.kinetic_friction.valueOr(p.friction) <= p.friction, "kinetic_friction",
                  "found " + formatReal(p.kinetic_friction.valueOr(0.0)) + ", more than friction, " + formatReal(p.friction) +
                      "; accepted: at most friction");
