@@ -196,5 +196,21 @@ TEST(SolidContact, PlanarSolidsAreRefused) {
   }
 }
 
+TEST(SolidContact, ThatTheEstimateIsNoUseOncePartsHaveMetIsToldOnce) {
+  Fall fall = makeFall(Type::kVerlet, 0.1, 5);
+  fall.scene.accuracy.estimate = true;
+  Simulation s(fall.scene, fall.cloud);
+  Index touched = 0;
+  int num_told = 0;
+  for (int k = 0; k < 40; ++k) {
+    const simulation::StepOutcome outcome = s.step();
+    ASSERT_TRUE(outcome.ok) << outcome.problem;
+    touched = std::max(touched, static_cast<Index>(s.statistics().self_contacts));
+    num_told += outcome.notice.find("parts of the body have met") != std::string::npos;
+    EXPECT_EQ(num_told, touched > 0 ? 1 : 0) << k;
+  }
+  EXPECT_EQ(num_told, 1);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
