@@ -349,6 +349,7 @@ class BulletSheet {
       btSoftBody::Node& node = sheet_->m_nodes[(kSide - 1) * kSide + j];
       const btVector3 target(scale(place.x()), scale(-0.5 + j / (kSide - 1.0)), scale(place.z() + scene_.height));
       node.m_v = (target - node.m_x) / static_cast<btScalar>(step_ * (1.0 - kDamping * step_));
+      node.m_vn = node.m_v;  // from which implicit steps begin
     }
   }
 
