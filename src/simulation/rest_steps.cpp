@@ -146,12 +146,18 @@ cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, P
   else
     cloud::faceEye(s.dense.positions, *viewpoint, normals);
   // A given normal is kept as it is if it agrees with the side.
+  Index num_turned = 0;
   if (!s.dense.normals.empty())
-    for (Index i = 0; i < n; ++i)
-      if (s.dense.normals[i].dot(normals[i]) > 0.0) normals[i] = s.dense.normals[i];
+    for (Index i = 0; i < n; ++i) {
+      const double agreement = s.dense.normals[i].dot(normals[i]);
+      if (agreement > 0.0) normals[i] = s.dense.normals[i];
+      num_turned += agreement < 0.0;
+    }
   s.dense.normals = std::move(normals);
   static const char* const kRules[] = {"the input's normals", "outward (closed surface)", "towards the viewpoint", "+z"};
   s.notes.push_back(std::string("normals point by ") + kRules[static_cast<int>(rule)]);
+  if (num_turned > 0)
+    s.notes.push_back(count(num_turned, "given normals point to the other side of the surface than most, and were turned"));
   return boundary;
 }
 

@@ -143,6 +143,20 @@ TEST(RestSurface, TellsOfHolesThatItsPointsBridge) {
   for (const Index points : {40, 100, 300}) EXPECT_FALSE(isTold(0.0, points)) << points;
 }
 
+TEST(RestSurface, TellsOfGivenNormalsThatItTurns) {
+  cloud::PointCloud cloud = asCloud(makeSheet(20, 20, 1.0, 1.0, 0.2).points);
+  const auto tells = [&](const std::string& words) {
+    const RestSurface s = simulation::buildRestSurface(SceneParams(), cloud);
+    return std::any_of(s.notes.begin(), s.notes.end(),
+                       [&](const std::string& note) { return note.find(words) != std::string::npos; });
+  };
+  cloud.normals.assign(cloud.positions.size(), -Vec3::UnitZ());
+  EXPECT_TRUE(tells("normals point by the input's normals"));
+  EXPECT_FALSE(tells("turned"));
+  for (const Index i : {44, 130, 255}) cloud.normals[i] = Vec3::UnitZ();
+  EXPECT_TRUE(tells("3 given normals point to the other side of the surface than most, and were turned"));
+}
+
 TEST(RestSurface, TellsThatPointsLieInRows) {
   const auto warns = [](double apart) {
     const Points points = makeSheet(40, 30, 39.0, 29.0 * apart, 0.1).points;
