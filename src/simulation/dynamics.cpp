@@ -217,9 +217,10 @@ bool Dynamics::hasContact(const std::vector<tool::ToolParams>& tools) const { re
 void Dynamics::setContactRate(double rate) {
   now_.contact_rate = rate;
   loads_.contact.setRate(rate);
-  const double stiffening = kind_.traits().contact_stiffening;
-  loads_.contact.setStiffening(stiffening);
-  if (loads_.self_contact) loads_.self_contact->contact.setRate(std::sqrt(stiffening) * kSelfContactRate / kContactRate * rate);
+  const ModelTraits& traits = kind_.traits();
+  loads_.contact.setStiffening(traits.contact_stiffening);
+  if (loads_.self_contact)
+    loads_.self_contact->contact.setRate(std::sqrt(traits.self_contact_stiffening) * kSelfContactRate / kContactRate * rate);
 }
 
 // Contact as stiff as the surface's own stiffest motion at rest: the stable step then stays nearly the same. Done once,

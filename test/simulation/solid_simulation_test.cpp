@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 namespace deformable_surface::test {
 namespace {
 
@@ -281,6 +283,41 @@ TEST(SolidSimulation, IsPushedByToolsAndHeldByGrips) {
 }
 
 // Points of a body at rest leave the floor and return within few sub-steps.
+// The penalty of contact takes little of the force on a palpating ball.
+TEST(SolidSimulation, ABallFeelsInMotionWhatItFeelsInEquilibrium) {
+  const auto findForce = [](bool in_motion) {
+    SceneParams scene = makeBarScene();
+    scene.gravity.setZero();
+    scene.material.young_modulus = 2e4;
+    scene.material.damping = in_motion ? 60.0 : 0.0;
+    if (!in_motion) scene.integrator.type = solve::IntegratorType::kStatic;
+    scene.accuracy.estimate = false;
+    scene.pins.front().region.max = Vec3(1.0, 1.0, 1e-9 - 0.03);
+    tool::ToolParams ball;
+    ball.id = "ball";
+    ball.shape.radius = 0.015;
+    ball.path.resize(2);
+    ball.path[0].position = Vec3(0.0, 0.0, 0.015);
+    ball.path[1].position = Vec3(0.0, 0.0, 0.012);
+    ball.path[1].time = 0.1;
+    scene.tools = {ball};
+    cloud::PointCloud block;
+    std::mt19937 generator(3);
+    for (int x = -6; x <= 6; ++x)
+      for (int y = -6; y <= 6; ++y)
+        for (int z = -6; z <= 0; ++z)
+          block.positions.push_back(0.005 * (Vec3(x, y, z) + 0.1 * randomVector(generator).cwiseProduct(Vec3(1, 1, z % 6 != 0))));
+    block.width = static_cast<std::uint32_t>(block.positions.size());
+    Simulation s(scene, block);
+    run(s, in_motion ? 35 : 15);
+    return s.toolReactions().front().force.z();
+  };
+  const double in_equilibrium = findForce(false), in_motion = findForce(true);
+  EXPECT_GT(in_equilibrium, 0.1);
+  EXPECT_GT(in_motion, 0.94 * in_equilibrium);
+  EXPECT_LT(in_motion, 1.01 * in_equilibrium);
+}
+
 TEST(SolidSimulation, ABallOnAFloorWithoutFrictionGainsNoEnergy) {
   SceneParams scene = makeBarScene();
   scene.cloud = {};

@@ -1,4 +1,4 @@
-// Damping of contact with solid tools that have friction, as a load on the points that touch them. The contact springs are
+// Damping of contact with solid tools, as a load on the points that touch them. The contact springs are
 // ContactLoad, which has a potential.
 #pragma once
 
@@ -6,20 +6,20 @@
 
 namespace deformable_surface::simulation {
 
-/// F = -c v n on a point that touches a solid tool with friction. v: velocity of the point relative to the tool, along the
+/// F = -c v n on a point that touches a solid tool. v: velocity of the point relative to the tool, along the
 /// outward normal n. c = 2 zeta m r, with zeta = kShare and m r^2 the stiffness of the contact spring. F never exceeds the spring
 /// force on the way out, so that contact does not pull; if it is gradual, for methods that search a balance, nor on the way in,
 /// so that it does not set in at once. About half of the speed is left after an impact. Without this damping, points pressed
-/// between two tools bounced higher and higher, because friction added energy on their way. Contact without friction conserves
-/// energy.
+/// between two tools bounced higher and higher, because friction added energy on their way. Contact of surfaces without friction
+/// is not damped: it conserves energy. See ContactLoad::isDamped().
 class ContactDamping : public solve::ExternalLoad {
  public:
   static constexpr double kShare = 0.2;  // zeta, of critical
 
   explicit ContactDamping(const ContactLoad& contact, bool is_gradual = false) : contact_(contact), is_gradual_(is_gradual) {}
 
-  /// Whether no tool has friction.
-  bool isEmpty() const { return !contact_.hasFriction(); }
+  /// Whether contact is damped with no tool.
+  bool isEmpty() const { return !contact_.hasDamped(); }
   void addForces(double time, const model::State& state, Points& forces) const override;
   /// Dissipative, except where a tool moves along n with speed V: its power is then at most c V^2 / 4.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;

@@ -164,17 +164,26 @@ class ContactLoad : public solve::ExternalLoad {
   /// positions. Computed once for all callers.
   const std::vector<Touch>& findTouches(std::size_t body, double time, const Points& positions) const;
 
+  /// Whether contact with this tool is damped. Springs stiffer than those of surfaces always are: points that leave a tool and
+  /// return within few sub-steps would gain energy.
+  bool isDamped(const tool::ToolParams& tool) const {
+    return tool::hasFriction(tool) || (stiffening_ > 1.0 && tool::isPushing(tool));
+  }
+  bool hasDamped() const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [this](const Body& body) { return isDamped(body.tool); });
+  }
   bool hasFriction() const {
     return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return tool::hasFriction(body.tool); });
   }
   /// visit(begin(tool), touch) for the touches of all tools with friction; begin is called once per tool.
   template <typename Begin, typename Visit>
   void forEachRubbingTouch(double time, const Points& positions, const Begin& begin, const Visit& visit) const {
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      if (!tool::hasFriction(bodies_[b].tool)) continue;
-      const auto body = begin(bodies_[b].tool);
-      for (const Touch& touch : findTouches(b, time, positions)) visit(body, touch);
-    }
+    forEachTouch(tool::hasFriction, time, positions, begin, visit);
+  }
+  /// The same for all tools that are damped.
+  template <typename Begin, typename Visit>
+  void forEachDampedTouch(double time, const Points& positions, const Begin& begin, const Visit& visit) const {
+    forEachTouch([this](const tool::ToolParams& tool) { return isDamped(tool); }, time, positions, begin, visit);
   }
 
   /// Wall time (s) of contact and friction since the last call, without energies and stiffness.
@@ -182,6 +191,14 @@ class ContactLoad : public solve::ExternalLoad {
   void addSeconds(double seconds) const { seconds_ += seconds; }
 
  private:
+  template <typename IsMeant, typename Begin, typename Visit>
+  void forEachTouch(const IsMeant& isMeant, double time, const Points& positions, const Begin& begin, const Visit& visit) const {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (!isMeant(bodies_[b].tool)) continue;
+      const auto body = begin(bodies_[b].tool);
+      for (const Touch& touch : findTouches(b, time, positions)) visit(body, touch);
+    }
+  }
   void listTouchesBetween(const Body& body, const tool::Pose& pose, const Points& positions, double largest_growth,
                           std::vector<Touch>& touches) const;
   void chooseAlone(const Body& body, double time, const Points& positions, const std::vector<char>& held,

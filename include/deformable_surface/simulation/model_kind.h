@@ -21,18 +21,20 @@ class Simulation;
 
 /// What scenes and commands may ask of a model.
 struct ModelTraits {
-  double contact_stiffening = 1.0;  // of the springs of contact with tools and itself; more costs sub-steps while parts touch
-  bool is_surface = false;          // its points have sides: pressure, drag, clouds to track, inserted points
-  bool is_oriented = false;         // its points have orientations: pins hold them, creases leave their forces out
-  bool has_population = false;      // commands add and remove points
-  bool has_springs = false;         // material.spring_damping
-  bool meets_itself = false;        // its triangles may touch: contact.self
-  bool has_regions = false;         // the material may differ from point to point
-  bool has_estimate = false;        // makeCopies() gives the copies of the error estimate
-  bool is_tuned = false;            // trials choose points, membrane stiffness and integrator for an accuracy target
-  bool is_timed = false;            // accuracy.step_budget chooses the number of points
-  bool can_snap = false;            // it may rest without loads in another shape than its own
-  bool is_prepared = false;         // its makeRest() is prepare() and finishRest(), so that scenes may share the first
+  // Factors on the stiffness of contact; more costs sub-steps while parts touch:
+  double contact_stiffening = 1.0;       // with tools, which is then always damped
+  double self_contact_stiffening = 1.0;  // of the body with itself
+  bool is_surface = false;               // its points have sides: pressure, drag, clouds to track, inserted points
+  bool is_oriented = false;              // its points have orientations: pins hold them, creases leave their forces out
+  bool has_population = false;           // commands add and remove points
+  bool has_springs = false;              // material.spring_damping
+  bool meets_itself = false;             // its triangles may touch: contact.self
+  bool has_regions = false;              // the material may differ from point to point
+  bool has_estimate = false;             // makeCopies() gives the copies of the error estimate
+  bool is_tuned = false;                 // trials choose points, membrane stiffness and integrator for an accuracy target
+  bool is_timed = false;                 // accuracy.step_budget chooses the number of points
+  bool can_snap = false;                 // it may rest without loads in another shape than its own
+  bool is_prepared = false;              // its makeRest() is prepare() and finishRest(), so that scenes may share the first
 };
 
 /// The order of removal is recorded down to this many points, for the coarser copies: fewer carry no shape.
