@@ -116,6 +116,9 @@ class SelfContact {
   const PairList& pairs() const { return list_; }
 
  private:
+  // Fraction of a pair's thickness: limit() lets parts that move come no nearer.
+  static constexpr double kLeast = 0.5;
+
   struct Near {
     Pair pair;
     Closest closest;
@@ -154,7 +157,7 @@ class SelfContact {
   /// Whether a pair may use up its room on the paths.
   bool mustStop(const Points& before, const Points& after, bool continues);
   void forgetNear();
-  static bool touches(const Near& near);
+  static bool touches(const Near& near) { return near.distance < near.pair.thickness && near.distance > 0.0; }
   /// Adds the block, given at the gap, to the blocks of the pair's vertices.
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
   const std::vector<Near>& measure(const Points& positions, double reach);

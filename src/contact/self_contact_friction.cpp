@@ -1,0 +1,84 @@
+// Friction between parts that touch.
+#include "deformable_surface/contact/self_contact.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace deformable_surface::contact {
+
+SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const {
+  const Pair& pair = near.pair;
+  const double spring = stiffness(pair), pressing = findSpring(near).force;
+  const FrictionLaw law{params_.friction * pressing, params_.kinetic_friction * pressing, spring,
+                        2.0 * params_.damping * spring / params_.rate};
+  const Vec3 normal = near.closest.gap / near.distance;
+  const auto at = std::lower_bound(anchors.begin(), anchors.end(), pair,
+                                   [](const PairAnchor& a, const Pair& p) { return a.isBefore(p.vertices, p.is_edges); });
+  if (at == anchors.end() || at->is_edges != pair.is_edges || at->vertices != pair.vertices)
+    return {law, normal, Vec3::Zero(), false, nullptr};
+  Vec3 moved = -at->offset;
+  for (int v = 0; v < 4; ++v) moved += at->weight[v] * positions[pair.vertices[v]];
+  return {law, normal, moved - moved.dot(normal) * normal, at->slides, &*at};
+}
+
+Vec3 SelfContact::findSliding(const Near& near, const Points& velocities) {
+  Vec3 relative = Vec3::Zero();
+  for (int v = 0; v < 4; ++v) relative += near.closest.weight[v] * velocities[near.pair.vertices[v]];
+  const Vec3 normal = near.closest.gap / near.distance;
+  return relative - relative.dot(normal) * normal;
+}
+
+void SelfContact::addFriction(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
+                              Points& forces) {
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    const Vec3 force = rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slides);
+    for (int v = 0; v < 4; ++v) forces[near.pair.vertices[v]] += near.closest.weight[v] * force;
+  }
+}
+
+double SelfContact::frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors) {
+  double sum = 0.0;
+  if (anchors.empty()) return sum;
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    const double force = std::min(rub.law.stiffness * rub.stretch.norm(), rub.law.static_limit);
+    sum += 0.5 * force * force / rub.law.stiffness;
+  }
+  return sum;
+}
+
+void SelfContact::addFrictionStiffness(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
+                                       double step, BlockSparse& stiffness_matrix) {
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    const double share = rub.law.findShare(rub.stretch, findSliding(near, velocities), rub.slides);
+    const double along = share * ((rub.anchor ? rub.law.stiffness : 0.0) + rub.law.damping / step);
+    addToMatrix(near, along * (Mat3::Identity() - rub.normal * rub.normal.transpose()), stiffness_matrix);
+  }
+}
+
+void SelfContact::moveAnchors(const Points& positions, const Points& velocities, std::vector<PairAnchor>& anchors) {
+  next_.clear();
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    Vec3 stretch = rub.stretch;
+    const bool slides = rub.law.slide(stretch, findSliding(near, velocities), rub.slides);
+    if (rub.anchor && !slides) {
+      next_.push_back(*rub.anchor);
+      next_.back().slides = false;
+    } else {
+      const Pair& pair = near.pair;
+      next_.push_back({pair.vertices, pair.is_edges, near.closest.weight, near.closest.gap - stretch, slides});
+    }
+  }
+  std::sort(next_.begin(), next_.end(),
+            [](const PairAnchor& a, const PairAnchor& b) { return a.isBefore(b.vertices, b.is_edges); });
+  anchors = next_;
+}
+
+}  // namespace deformable_surface::contact

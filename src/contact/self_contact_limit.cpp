@@ -1,0 +1,212 @@
+// The limit of motion: no two parts cross, whatever the forces are.
+#include "deformable_surface/contact/self_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace deformable_surface::contact {
+namespace {
+
+// Fraction of the room of a pair that its points may use in one step: below 1, so that rounding causes no crossing.
+constexpr double kOfRoom = 0.9;
+constexpr double kAhead = 8.0;       // calls of limit() for which the motion of the present one is predicted
+constexpr Index kMostFailures = 4;   // after each, proofs are tried half as often
+constexpr int kCollisions = 8;       // passes
+constexpr double kRounding = 1e-15;  // m
+
+}  // namespace
+
+bool SelfContact::staysUncrossed(const Points& before, const Points& after, bool continues) {
+  was_uncrossed_ = clearance_.staysUncrossed(before, after, continues && was_uncrossed_);
+  if (was_uncrossed_) return true;
+  if (pause_ > 0) {
+    --pause_;
+    return false;
+  }
+  for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = after[i] - before[i];
+  if (clearance_.prove(before, motion_, kAhead) && clearance_.staysUncrossed(before, after)) {
+    failures_ = 0;
+    was_uncrossed_ = true;
+    return true;
+  }
+  failures_ = std::min(failures_ + 1, kMostFailures);
+  pause_ = (Index{1} << failures_) - 1;
+  return false;
+}
+
+SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& before) const {
+  const Pair& pair = near.pair;
+  Approach approach;
+  approach.vertices = pair.vertices;
+  approach.num_first = pair.numFirst();
+  approach.normal = near.closest.gap / near.distance;
+  approach.room = kOfRoom * std::max(0.0, near.distance - kLeast * pair.thickness);
+  for (int v = 0; v < 4; ++v) {
+    const bool is_first = v < approach.num_first;
+    double behind = 0.0;
+    for (int w = 0; w < 4; ++w)
+      if ((w < approach.num_first) == is_first)
+        behind += std::abs(near.closest.weight[w]) * approach.normal.dot(before[pair.vertices[v]] - before[pair.vertices[w]]);
+    approach.behind[v] = std::max(0.0, is_first ? behind : -behind);
+  }
+  return approach;
+}
+
+// A plane across the gap separates two convex primitives. Take the point of the first that moves farthest towards the second, and
+// the point of the second that moves farthest towards the first. If both together use less than the gap, a moving plane between
+// them remains a separating plane. Common motion does not count.
+SelfContact::Worst SelfContact::findWorst(const Approach& approach) const {
+  Worst worst{-1, -1, -approach.room};
+  double first = 0.0, second = 0.0;
+  for (int v = 0; v < 4; ++v) {
+    const double along = approach.normal.dot(ways_[approach.vertices[v]]);
+    if (v < approach.num_first) {
+      const double nearing = -along - approach.behind[v];
+      if (worst.first < 0 || nearing > first) {
+        worst.first = approach.vertices[v];
+        first = nearing;
+      }
+    } else {
+      const double nearing = along - approach.behind[v];
+      if (worst.second < 0 || nearing > second) {
+        worst.second = approach.vertices[v];
+        second = nearing;
+      }
+    }
+  }
+  worst.excess += first + second;
+  return worst;
+}
+
+// Exchanges momentum within pairs that would use more than their room, one pair after the other, until none does.
+void SelfContact::collide() {
+  for (int pass = 0; pass < kCollisions; ++pass) {
+    bool is_done = true;
+    for (const Approach& approach : approaches_) {
+      const Worst worst = findWorst(approach);
+      const double mobility = mobility_[worst.first] + mobility_[worst.second];
+      if (!(worst.excess > 0.0) || !(mobility > 0.0)) continue;
+      is_done = false;
+      // A little more than needed, so that the iteration ends.
+      const double momentum = (worst.excess + (1.0 - kOfRoom) * approach.room) / mobility;
+      ways_[worst.first] += mobility_[worst.first] * momentum * approach.normal;
+      ways_[worst.second] -= mobility_[worst.second] * momentum * approach.normal;
+      is_cut_[worst.first] = is_cut_[worst.second] = 1;
+    }
+    if (is_done) return;
+  }
+}
+
+// Zones of pairs that still come too near move on as one rigid zone with their total momentum, or stay where one of their points
+// is fixed. Zones that then come too near others are merged with them, until none does.
+void SelfContact::stopTogether() {
+  const auto find = [&](Index i) {
+    while (zone_[i] != i) i = zone_[i] = zone_[zone_[i]];
+    return i;
+  };
+  const Index n = static_cast<Index>(ways_.size());
+  bool has_zones = false;
+  for (bool is_done = false; !is_done;) {
+    is_done = true;
+    for (const Approach& approach : approaches_) {
+      if (!(findWorst(approach).excess > kRounding)) continue;
+      if (!has_zones) {
+        zone_.resize(n);
+        for (Index i = 0; i < n; ++i) zone_[i] = i;
+        has_zones = true;
+      }
+      for (const Index v : approach.vertices) {
+        const Index a = find(approach.vertices[0]), b = find(v);
+        if (a == b) continue;
+        zone_[std::max(a, b)] = std::min(a, b);
+        is_done = false;
+      }
+    }
+    if (is_done) return;
+    // The motion of a zone is stored at its first point.
+    zone_motion_.assign(n, Vec3::Zero());
+    zone_mass_.assign(n, 0.0);
+    for (Index i = 0; i < n; ++i) {
+      const Index zone = find(i);
+      zone_motion_[zone] += masses_[i] * ways_[i];
+      zone_mass_[zone] += mobility_[i] > 0.0 ? masses_[i] : std::numeric_limits<double>::infinity();
+    }
+    for (Index i = 0; i < n; ++i) {
+      const Index zone = find(i);
+      if (zone_mass_[zone] == masses_[i]) continue;  // alone
+      const Vec3 motion = std::isfinite(zone_mass_[zone]) ? Vec3(zone_motion_[zone] / zone_mass_[zone]) : Vec3::Zero();
+      if (ways_[i] == motion) continue;
+      ways_[i] = motion;
+      is_cut_[i] = 1;
+    }
+  }
+}
+
+bool SelfContact::mustStop(const Points& before, const Points& after, bool continues) {
+  const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
+  if (staysUncrossed(before, after, continues) || list_.areFar(before, after, reach)) return false;
+  list_.update(before, after, reach);
+  ways_.resize(before.size());
+  bool must_stop = false;
+  list_.visitNear([&](const Pair& pair, double least) {
+    if (must_stop) return;
+    for (const Index v : pair.vertices) ways_[v] = after[v] - before[v];
+    double nearing = 0.0;  // squared, at most
+    for (int v = 0; v < pair.numFirst(); ++v)
+      for (int w = pair.numFirst(); w < 4; ++w)
+        nearing = std::max(nearing, (ways_[pair.vertices[v]] - ways_[pair.vertices[w]]).squaredNorm());
+    nearing = std::sqrt(nearing);
+    const auto isRoomFor = [&](double distance) { return kOfRoom * (distance - kLeast * pair.thickness) > nearing; };
+    if (isRoomFor(least)) return;
+    const Closest closest = findClosest(pair, before);
+    const Near near{pair, closest, std::sqrt(closest.squaredDistance())};
+    if (!(near.distance > 0.0) || isRoomFor(near.distance)) return;
+    must_stop = findWorst(makeApproach(near, before)).excess > 0.0;
+  });
+  return must_stop;
+}
+
+const std::vector<Index>& SelfContact::limit(const Points& before, Points& after, bool continues) {
+  const Index n = static_cast<Index>(before.size());
+  cut_.clear();
+  if (!mustStop(before, after, continues)) return cut_;
+  // Common motion brings no parts nearer.
+  Vec3 shared = Vec3::Zero();
+  bool does_one_stay = false;
+  for (Index i = 0; i < n; ++i) {
+    shared += after[i] - before[i];
+    does_one_stay = does_one_stay || after[i] == before[i];
+  }
+  if (does_one_stay) shared.setZero();
+  shared /= static_cast<double>(n);
+  ways_.resize(n);
+  double farthest = 0.0;
+  for (Index i = 0; i < n; ++i) {
+    ways_[i] = after[i] - before[i] - shared;
+    farthest = std::max(farthest, ways_[i].squaredNorm());
+  }
+  // Pairs that are farther apart cannot use up their room.
+  const double reach = kLeast * list_.thickness() + 2.0 / kOfRoom * std::sqrt(farthest);
+  approaches_.clear();
+  for (const Near& near : measure(before, reach))
+    if (near.distance < reach && near.distance > 0.0) approaches_.push_back(makeApproach(near, before));
+  if (approaches_.empty()) return cut_;
+  is_cut_.assign(n, 0);
+  mobility_.resize(n);
+  for (Index i = 0; i < n; ++i) mobility_[i] = after[i] == before[i] ? 0.0 : 1.0 / masses_[i];
+  collide();
+  // Pairs outside this list stay apart if no point moves farther than the farthest one before the change.
+  for (Vec3& way : ways_)
+    if (way.squaredNorm() > farthest) way *= std::sqrt(farthest / way.squaredNorm());
+  stopTogether();
+  for (Index i = 0; i < n; ++i) {
+    if (is_cut_[i] == 0) continue;
+    after[i] = before[i] + shared + ways_[i];
+    cut_.push_back(i);
+  }
+  return cut_;
+}
+
+}  // namespace deformable_surface::contact
