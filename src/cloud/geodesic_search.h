@@ -114,7 +114,8 @@ class QuickCheck {
 
  private:
   // The same with the first path found to each point, whose last link begins at one taken before. Where this succeeds, run()
-  // would have done so, too: it looks at these paths among others. Most links are then not looked at.
+  // would have done so, too: it looks at these paths among others. Most links are then not looked at. Links are read backwards: a
+  // graph's costs are the same in both directions.
   bool isReachedInOrder(Index i, const Points& positions, const Index* begin, const Index* end, double max_detour) {
     met_.clear();
     met_.add(i);
