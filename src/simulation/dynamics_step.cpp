@@ -196,7 +196,7 @@ std::string Dynamics::endUntangling(double dt) {
   const Index num = static_cast<Index>(self.contact.pairs().crossings().size());
   const bool has_fewer = num < untangling_.fewest, was_patient = untangling_.time < kPatience;
   untangling_ = {std::min(num, untangling_.fewest), has_fewer ? 0.0 : untangling_.time + dt, true};
-  if (num == 0) return "the surface does not pass through itself any longer";
+  if (num == 0) return "no triangle that has contact is crossed any longer";
   if (!was_patient || untangling_.time < kPatience) return "";
   return std::to_string(self.contact.pairs().numCrossed()) +
          " triangles are still crossed by others and are not pushed apart any longer: the surface goes on passing through itself";
