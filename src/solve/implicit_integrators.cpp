@@ -67,11 +67,13 @@ bool allFinite(const Points& points) {
   return std::isfinite(sum);
 }
 
+constexpr double kTooMuch = 1e-6;  // of the kinetic energy: far above rounding
+
 // Removes energy above the limit, J, from the motion of free points relative to their mean. A free body keeps its momentum; a
-// held one has none to keep. Held points keep their velocities.
-void limitKineticEnergy(const System& system, double limit, State& state) {
+// held one has none to keep. Held points keep their velocities. Returns false if a free body's momentum has more.
+bool limitKineticEnergy(const System& system, double limit, State& state) {
   const double kinetic = system.kineticEnergy(state);
-  if (!(kinetic > limit)) return;
+  if (!(kinetic > limit)) return true;
   Vec3 mean = Vec3::Zero();
   double mass = 0.0, kept = 0.0;
   bool any_held = false;
@@ -87,6 +89,7 @@ void limitKineticEnergy(const System& system, double limit, State& state) {
   const double scale = std::sqrt(std::max(0.0, limit - kept) / std::max(kinetic - kept, std::numeric_limits<double>::min()));
   for (Index i = 0; i < state.size(); ++i)
     if (!system.isHeld(i)) state.velocities[i] = mean + std::min(1.0, scale) * (state.velocities[i] - mean);
+  return any_held || kept <= limit + kTooMuch * kinetic;
 }
 
 }  // namespace
@@ -183,8 +186,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   const double allowed = energy + std::max(0.0, work) + *report.carrying_work;
   const double potential = system.potentialEnergy(time + step, state);
   report.finite = allFinite(state.positions);
-  if (report.finite && potential <= allowed) {
-    limitKineticEnergy(system, allowed - potential, state);
+  if (report.finite && potential <= allowed && limitKineticEnergy(system, allowed - potential, state)) {
     system.remember(time + step, state);
     return report;
   }

@@ -42,7 +42,8 @@ class ImplicitStage {
 /// Two implicit stages of the same length; the second ends the step. Second order, exact in free fall, stable at every step, and
 /// fast modes still decay [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above its former value plus
 /// the work of forces without a potential: a small excess is removed from the motion relative to the mean. If the potential
-/// alone exceeds it, implicit Euler takes the step.
+/// alone exceeds it, or that and the motion of a free body as a whole, implicit Euler takes the step. In impacts the second stage
+/// goes on with the force of the first, which can throw a body back faster than it came.
 class ImplicitSecondOrder : public Integrator {
  public:
   explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params) {}

@@ -283,6 +283,40 @@ TEST(SolidSimulation, IsPushedByToolsAndHeldByGrips) {
 }
 
 // Points of a body at rest leave the floor and return within few sub-steps.
+// An implicit step in which a body hits the floor must not throw it back with more energy than it had.
+TEST(SolidSimulation, ALongStepTakesAnImpactWithoutMakingEnergy) {
+  for (const double young : {1e7, 1e8}) {
+    SceneParams scene = makeBarScene();
+    scene.cloud.points = 400;
+    scene.cloud.size = {0.02, 0.014};
+    scene.cloud.height = 0.01;
+    scene.cloud.jitter = 0.1;
+    scene.material.young_modulus = young;
+    scene.integrator.type = solve::IntegratorType::kImplicit;
+    scene.integrator.time_step = 0.01;
+    scene.accuracy.estimate = false;
+    scene.pins.clear();
+    tool::ToolParams floor;
+    floor.id = "floor";
+    floor.shape.kind = geometry::Solid::Kind::kPlane;
+    floor.path.resize(1);
+    floor.path[0].position = Vec3(0.0, 0.0, -0.025);
+    scene.tools.push_back(floor);
+    Simulation s = makeSimulation(scene);
+    const double potential = s.statistics().potential_energy;
+    double energy = 0.0, largest = 0.0;
+    for (int k = 0; k < 25; ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << young << ": " << outcome.problem;
+      const simulation::Statistics now = s.statistics();
+      largest = std::max(largest, now.kinetic_energy);
+      energy = now.kinetic_energy + now.elastic_energy + now.potential_energy - potential;
+      EXPECT_LT(energy, 0.01 * largest) << young << ", step " << k;
+    }
+    EXPECT_LT(energy, -0.1 * largest) << young;  // it has lost some in the impact
+  }
+}
+
 // The penalty of contact takes little of the force on a palpating ball.
 TEST(SolidSimulation, ABallFeelsInMotionWhatItFeelsInEquilibrium) {
   const auto findForce = [](bool in_motion) {
