@@ -266,7 +266,8 @@ std::string ErrorEstimator::followTools(const Dynamics& level, double lasting) {
 // Returns a sentence when parts of a body first touch: its copies' parts do so at other times and places.
 std::string ErrorEstimator::followMeeting(const Dynamics& level) {
   SelfContactLoads* const self = level.loads().self_contact.get();
-  if (!is_body_ || seen_.has_met || !self || self->contact.countTouching(level.state().positions) == 0) return "";
+  if (!is_body_ || seen_.has_met || !self || !self->mayAct()) return "";
+  if (self->contact.countTouching(level.state().positions) == 0) return "";
   seen_.has_met = true;
   return "error_estimate is far above the error until the next reset: parts of the body have met, and those of its coarser "
          "copies meet at other times";

@@ -32,6 +32,15 @@ SceneParams makeBarScene(Index points = 600) {
   return scene;
 }
 
+tool::ToolParams makeFloor(double height) {
+  tool::ToolParams floor;
+  floor.id = "floor";
+  floor.shape.kind = geometry::Solid::Kind::kPlane;
+  floor.path.resize(1);
+  floor.path[0].position = Vec3(0.0, 0.0, height);
+  return floor;
+}
+
 Simulation makeSimulation(const SceneParams& scene) { return Simulation(scene, io::makeShape(scene.cloud)); }
 
 bool hasNote(const Simulation& s, const std::string& part) {
@@ -296,12 +305,7 @@ TEST(SolidSimulation, ALongStepTakesAnImpactWithoutMakingEnergy) {
     scene.integrator.time_step = 0.01;
     scene.accuracy.estimate = false;
     scene.pins.clear();
-    tool::ToolParams floor;
-    floor.id = "floor";
-    floor.shape.kind = geometry::Solid::Kind::kPlane;
-    floor.path.resize(1);
-    floor.path[0].position = Vec3(0.0, 0.0, -0.025);
-    scene.tools.push_back(floor);
+    scene.tools = {makeFloor(-0.025)};
     Simulation s = makeSimulation(scene);
     const double potential = s.statistics().potential_energy;
     double energy = 0.0, largest = 0.0;
@@ -365,12 +369,7 @@ TEST(SolidSimulation, ABallOnAFloorWithoutFrictionGainsNoEnergy) {
   scene.material.damping = 6.0;
   scene.pins.clear();
   scene.accuracy.estimate = false;
-  tool::ToolParams floor;
-  floor.id = "floor";
-  floor.shape.kind = geometry::Solid::Kind::kPlane;
-  floor.path.resize(1);
-  floor.path[0].position = Vec3(0.0, 0.0, -0.11);
-  scene.tools.push_back(floor);
+  scene.tools = {makeFloor(-0.11)};
   Simulation s = makeSimulation(scene);
   double least = std::numeric_limits<double>::infinity(), rise = 0.0, most_elastic = 0.0;
   for (int k = 0; k < 250; ++k) {
