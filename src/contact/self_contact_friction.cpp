@@ -10,7 +10,7 @@ SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions,
   const Pair& pair = near.pair;
   const double spring = stiffness(pair), pressing = findSpring(near).force;
   const FrictionLaw law{params_.friction * pressing, params_.kinetic_friction * pressing, spring,
-                        2.0 * params_.damping * spring / params_.rate};
+                        2.0 * params_.damping * spring / rateOf(pair)};
   const Vec3 normal = near.closest.gap / near.distance;
   const auto at = std::lower_bound(anchors.begin(), anchors.end(), pair,
                                    [](const PairAnchor& a, const Pair& p) { return a.isBefore(p.vertices, p.is_edges); });

@@ -1,4 +1,5 @@
 // The springs between near parts, and their damping.
+#include "deformable_surface/contact/pad.h"
 #include "deformable_surface/contact/self_contact.h"
 
 #include <algorithm>
@@ -14,6 +15,9 @@ constexpr double kSoft = 0.5, kHardest = 0.98;
 constexpr double kDamped = 0.1;
 // Squared sine of the angle below which edges count as nearly parallel: 12 degrees.
 constexpr double kParallel = 0.04;
+// Share of a pad that crossing edges bear, and the area of one crossing over that of a vertex: 3 edges to a vertex, which meet at
+// random angles.
+constexpr double kOfEdges = 0.5, kPerCrossing = 0.151;
 
 }  // namespace
 
@@ -73,17 +77,38 @@ SelfContact::Spring SelfContact::findSpring(const Near& near) const {
   if (!params_.hardens || depth <= soft) return spring;
   const double y = (depth - soft) / hard, x = std::min(y, kHardest), over = y - x, rest = 1.0 - x, log = std::log(rest);
   const double slope = -2.0 * log + 4.0 * x / rest + x * x / (rest * rest), force = -2.0 * x * log + x * x / rest;
-  const double scale = k * deepest * deepest;
+  const double scale = near.weight * penalty(near.pair) * deepest * deepest;  // no pad is thicker
   spring.energy += scale * (-x * x * log + over * (force + 0.5 * over * slope));
   spring.force += scale / hard * (force + over * slope);
   spring.stiffness += scale / (hard * hard) * slope;
   return spring;
 }
 
-double SelfContact::stiffness(const Pair& pair) const {
+double SelfContact::penalty(const Pair& pair) const {
   double least = masses_[pair.vertices[0]];
   for (const Index v : pair.vertices) least = std::min(least, masses_[v]);
   return least * params_.rate * params_.rate;
+}
+
+// The vertices on both sides and the crossing edges share a pad. All vertices of a side together stand for its whole area; how
+// many edges cross, their mean number tells.
+double SelfContact::stiffness(const Pair& pair) const {
+  const double full = penalty(pair);
+  if (!(params_.compliance > 0.0)) return full;
+  const std::vector<double>& areas = params_.areas;
+  const auto& v = pair.vertices;
+  const double area = pair.is_edges ? kOfEdges * kPerCrossing * 0.25 * (areas[v[0]] + areas[v[1]] + areas[v[2]] + areas[v[3]])
+                                    : 0.5 * (1.0 - kOfEdges) * areas[v[0]];
+  return std::min(full, findPadStiffness(area, params_.compliance));
+}
+
+double SelfContact::rateOf(const Pair& pair) const { return params_.rate * std::sqrt(stiffness(pair) / penalty(pair)); }
+
+double SelfContact::ownCompliance() const {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    largest = std::max(largest, 0.5 * (1.0 - kOfEdges) * params_.areas[i] / (masses_[i] * params_.rate * params_.rate));
+  return largest;
 }
 
 void SelfContact::addForces(const Points& positions, Points& forces) {
@@ -101,7 +126,7 @@ void SelfContact::addDampingForces(const Points& positions, const Points& veloci
     if (!touches(near)) continue;
     const Pair& pair = near.pair;
     const Vec3 normal = near.closest.gap / near.distance;
-    const Vec3 force = -2.0 * findDamping(near).share * stiffness(pair) / params_.rate * findOpening(near, velocities) * normal;
+    const Vec3 force = -2.0 * findDamping(near).share * stiffness(pair) / rateOf(pair) * findOpening(near, velocities) * normal;
     for (int v = 0; v < 4; ++v) forces[pair.vertices[v]] += near.closest.weight[v] * force;
   }
 }
@@ -118,7 +143,8 @@ void SelfContact::addStiffness(const Points& positions, const Points& velocities
     double along = findSpring(near).stiffness;
     if (step > 0.0) {
       const Damping damping = findDamping(near);
-      along += 2.0 * stiffness(near.pair) / params_.rate * (damping.share / step - damping.onset * findOpening(near, velocities));
+      along +=
+          2.0 * stiffness(near.pair) / rateOf(near.pair) * (damping.share / step - damping.onset * findOpening(near, velocities));
     }
     const Vec3 normal = near.closest.gap / near.distance;
     addToMatrix(near, std::max(0.0, along) * normal * normal.transpose(), stiffness_matrix);
@@ -133,7 +159,7 @@ void SelfContact::addRowBounds(const Points& positions, std::vector<double>& sti
     for (int v = 0; v < 4; ++v) {
       const double twice = 2.0 * std::abs(near.closest.weight[v]);
       stiffness_bounds[pair.vertices[v]] += twice * findSpring(near).stiffness;
-      damping[pair.vertices[v]] += 2.0 * params_.damping / params_.rate * twice * stiffness(pair);
+      damping[pair.vertices[v]] += 2.0 * params_.damping / rateOf(pair) * twice * stiffness(pair);
     }
   }
 }

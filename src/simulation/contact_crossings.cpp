@@ -196,6 +196,7 @@ void ContactLoad::takePart(const ContactLoad& whole, const std::vector<Index>& n
   renumber(new_index);
   setRate(whole.rate_);
   setStiffening(whole.stiffening_);
+  compliance_ = whole.compliance_;
 }
 
 void ContactLoad::renumber(const std::vector<Index>& new_index) {

@@ -8,11 +8,11 @@ namespace deformable_surface::simulation {
 
 double ContactDamping::findFull(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const {
   const Vec3 relative = contact_.points().findVelocity(touch.point, state.velocities) - motion.velocityAt(touch.position);
-  return -coefficient(contact_.points().dampedMassOf(touch.point)) * relative.dot(touch.normal);
+  return -coefficient(touch) * relative.dot(touch.normal);
 }
 
 double ContactDamping::springOf(const ContactLoad::Touch& touch) const {
-  return contact_.points().massOf(touch.point) * contact_.rate() * contact_.rate();
+  return touch.softness * contact_.points().massOf(touch.point) * contact_.rate() * contact_.rate();
 }
 
 Vec3 ContactDamping::findForce(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const {
@@ -39,7 +39,7 @@ double ContactDamping::estimateWork(double from, double to, const model::State&,
   const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, from); };
   contact_.forEachDampedTouch(to, after.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
     const double speed = motion.velocityAt(touch.position).dot(touch.normal);
-    work += 0.25 * coefficient(contact_.points().dampedMassOf(touch.point)) * speed * speed * (to - from);
+    work += 0.25 * coefficient(touch) * speed * speed * (to - from);
   });
   return work;
 }
@@ -50,7 +50,7 @@ void ContactDamping::addStiffness(double time, const model::State& state, double
   const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, time); };
   contact_.forEachDampedTouch(time, state.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
     const double full = findFull(motion, state, touch), spring = touch.force.norm();
-    double along = coefficient(contact_.points().dampedMassOf(touch.point)) / step;
+    double along = coefficient(touch) / step;
     if (is_gradual_ && full > spring) along = springOf(touch);
     if (full < -spring) along = 0.0;
     contact_.points().addStiffness(touch.point, along * touch.normal * touch.normal.transpose(), stiffness);

@@ -50,6 +50,8 @@ constexpr double kSettled = 0.01;  // of the largest growth: smaller changes nee
 bool isBelow(const ContactLoad::Pressed& a, Index point) { return a.point < point; }
 bool isBefore(const ContactLoad::Pressed& a, const ContactLoad::Pressed& b) { return a.point < b.point; }
 
+constexpr double kNoPad = std::numeric_limits<double>::infinity();  // N/m
+
 constexpr Index kLook = 1024;  // points between two checks for an interrupt: milliseconds, also for tools of many triangles
 
 }  // namespace
@@ -129,15 +131,20 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
       is_held_up = tool::isHeldUp(tool.shape, entry, place, d);
       if (is_held_up) d = {entry.heightOf(place), pose.orientation * entry.normal};
     }
-    const double stiffness = per_mass * points_.massOf(i);
+    double stiffness = per_mass * points_.massOf(i);
     if (!pushing) {
       if (!(std::abs(d.distance) < tool.reach)) continue;
       const double force = stiffness * attractionForce(d.distance, tool.reach);
-      touches.push_back({i, positions[i], d.distance, d.normal, force * d.normal, 0.0, stiffness});
+      touches.push_back({i, positions[i], d.distance, d.normal, force * d.normal, 0.0, stiffness, 1.0});
       continue;
     }
     const double depth = (is_held_up ? 0.0 : growth) - d.distance;
-    if (depth > 0.0) touches.push_back({i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness});
+    if (!(depth > 0.0)) continue;
+    const double pad = padOf(i, compliance_ > 0.0 && isShared(tool.shape, i));
+    const double softness = stiffness > pad ? pad / stiffness : 1.0;
+    if (softness == 0.0) continue;  // inside a body
+    stiffness = std::min(stiffness, pad);
+    touches.push_back({i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness});
   }
   if (between) listTouchesBetween(body, pose, positions, largest_growth, touches);
 }
@@ -162,8 +169,9 @@ void ContactLoad::listTouchesBetween(const Body& body, const tool::Pose& pose, c
       const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, std::max(growth, 0.0));
       const double depth = growth - d.distance;
       if (!(depth > 0.0)) continue;
-      const double stiffness = rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p));
-      touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness});
+      const double own = rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p)), pad = padOf(p, true);
+      const double stiffness = std::min(own, pad), softness = own > pad ? pad / own : 1.0;
+      touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness});
     }
 }
 
@@ -178,8 +186,11 @@ void ContactLoad::chooseAlone(const Body& body, double time, const Points& posit
   auto pressed = body.pressed.begin();
   for (const Touch& touch : touches) {
     while (pressed != body.pressed.end() && pressed->point < touch.point) ++pressed;
-    if (points_.isBetween(touch.point) && pressed != body.pressed.end() && pressed->point == touch.point) continue;
     Deepest& deepest = deepest_[points_.simulationPointOf(touch.point)];
+    if (points_.isBetween(touch.point) && pressed != body.pressed.end() && pressed->point == touch.point) {
+      deepest.has_pressed = true;
+      continue;
+    }
     const double depth = -touch.distance;
     deepest.next = std::max(deepest.next, std::min(depth, deepest.depth));
     if (depth > deepest.depth) deepest.point = touch.point;
@@ -192,6 +203,7 @@ void ContactLoad::chooseAlone(const Body& body, double time, const Points& posit
   Index looked = 0;
   for (const NearCell& near : near_) {
     const Deepest& deepest = deepest_[near.cell];
+    if ((deepest.point >= 0 || deepest.has_pressed) && isPadded(near.cell)) continue;
     const double more = kDeeper * between->radius(near.cell);
     Pressed chosen{-1, deepest.depth + more};
     auto known = std::lower_bound(body.pressed.begin(), body.pressed.end(), m + between->begin(near.cell), isBelow);
@@ -242,6 +254,19 @@ bool ContactLoad::easeAlone(double time, double step, const Points& positions, c
   return true;
 }
 
+bool ContactLoad::isShared(const geometry::Solid& shape, Index cell) const {
+  return points_.between() && mayTouchBetween(shape, *points_.between(), cell);
+}
+
+double ContactLoad::ownCompliance() const {
+  double largest = 0.0;
+  for (const Body& body : bodies_)
+    for (Index i = 0; tool::isPushing(body.tool) && i < points_.numSimulated(); ++i)
+      largest =
+          std::max(largest, points_.areaOf(i, isShared(body.tool.shape, i)) / (stiffening_ * rate_ * rate_ * points_.massOf(i)));
+  return largest;
+}
+
 // Writes what the growth is to be into grown_. Returns by how much a growth changes at most, m: by the depth, up to its limit.
 double ContactLoad::grow(double time, const Points& positions, const std::vector<char>& held, Body& body) {
   double change = 0.0;
@@ -253,15 +278,18 @@ double ContactLoad::grow(double time, const Points& positions, const std::vector
     while (passed != body.passed.end() && passed->point < touch.point) ++passed;
     const bool is_passed = passed != body.passed.end() && passed->point == touch.point;
     if (is_passed || points_.isHeld(touch.point, held)) continue;
-    grown_.push_back({touch.point, std::clamp(touch.pressed, 0.0, most_growth_)});  // the growth so far and the depth
+    // The growth so far and the depth, less that of the pad.
+    const double pad = padOf(touch.point, compliance_ > 0.0 && isShared(body.tool.shape, points_.simulationPointOf(touch.point)));
+    grown_.push_back({touch.point, std::clamp((1.0 - touch.stiffness / pad) * touch.pressed, 0.0, most_growth_)});
     const double before = touch.pressed + touch.distance;
     change = std::max(change, std::abs(grown_.back().growth - before));
   }
   chooseAlone(body, time, positions, held, pressing_);
   for (const Pressed& spare : spare_) {
     if (!points_.isSpare(spare.point)) continue;
-    grown_.push_back({spare.point, std::min(spare.growth, most_growth_)});
-    change = std::max(change, grown_.back().growth);
+    const double depth = std::min(spare.growth, most_growth_);
+    grown_.push_back({spare.point, isPadded(spare.point) ? 0.0 : depth});
+    change = std::max(change, depth);
   }
   std::sort(grown_.begin(), grown_.end(), isBefore);
   return change;
@@ -347,7 +375,8 @@ void ContactLoad::addRowBounds(double time, const model::State& state, std::vect
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const ToolParams& tool = bodies_[b].tool;
     const double per_mass = tool::isPushing(tool) ? rate_ * rate_ : tool.strength / points_.totalMass();
-    for (Index i = 0; i < state.size(); ++i) stiffness[i] += per_mass * points_.massOf(i);
+    for (Index i = 0; i < state.size(); ++i)
+      stiffness[i] += std::min(per_mass * points_.massOf(i), tool::isPushing(tool) ? padOf(i, false) : kNoPad);
     if (tool::isPushing(tool) && stiffening_ > 1.0) addStiffBounds(bodies_[b], time, state, stiffness);
     if (!points_.between()) continue;
     for (const Touch& touch : findTouches(b, time, state.positions))
@@ -366,8 +395,9 @@ void ContactLoad::addStiffBounds(const Body& body, double time, const model::Sta
     const Vec3& x = state.positions[i];
     const double way = ahead * (state.velocities[i] - motion.velocityAt(x)).norm();
     if ((x - pose.position).norm() > radius + way) continue;
-    if (tool::findSignedDistance(tool.shape, pose, x, way).distance <= way)
-      stiffness[i] += (stiffening_ - 1.0) * rate_ * rate_ * points_.massOf(i);
+    if (!(tool::findSignedDistance(tool.shape, pose, x, way).distance <= way)) continue;
+    const double room = std::max(0.0, padOf(i, false) - rate_ * rate_ * points_.massOf(i));
+    stiffness[i] += std::min((stiffening_ - 1.0) * rate_ * rate_ * points_.massOf(i), room);
   }
 }
 

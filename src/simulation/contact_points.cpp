@@ -15,10 +15,12 @@ void ContactPoints::setBetween(std::shared_ptr<const transfer::SampledPoints> be
   is_severed_.clear();
   damped_mass_.clear();
   damped_mass_on_.clear();
+  sharing_.clear();
   if (!between_) return;
   damped_mass_on_.assign(masses_.size(), 0.0);
   std::vector<Index> count(masses_.size(), 0);
   for (Index s = 0; s < between_->size(); ++s) count[between_->cellOf(s)] += !between_->isSpare(s);
+  for (const Index in_cell : count) sharing_.push_back(1 + in_cell);
   for (Index s = 0; s < between_->size(); ++s) {
     const Index cell = between_->cellOf(s);
     damped_mass_.push_back(between_->isSpare(s) ? 0.0 : kDamped * masses_[cell] / static_cast<double>(count[cell]));
@@ -29,6 +31,10 @@ void ContactPoints::setBetween(std::shared_ptr<const transfer::SampledPoints> be
 
 void ContactPoints::takePart(const ContactPoints& whole, const std::vector<Index>& new_index) {
   if (number_in_part_.empty() || taken_from_ != whole.between_) numberPart(whole, new_index);
+  areas_.per_mass = whole.areas_.per_mass;
+  areas_.of_points.clear();
+  for (Index i = 0; !whole.areas_.of_points.empty() && i < numSimulated(); ++i)
+    areas_.of_points.push_back(whole.areas_.of_points[number_in_whole_[i]]);
   is_severed_.clear();
   if (whole.is_severed_.empty()) return;
   for (Index p = numSimulated(); p < size(); ++p) is_severed_.push_back(whole.isSevered(number_in_whole_[p]));
@@ -46,6 +52,7 @@ void ContactPoints::numberPart(const ContactPoints& whole, const std::vector<Ind
   std::vector<Index> old;
   setBetween(std::make_shared<transfer::SampledPoints>(whole.between_->takePart(new_index, numSimulated(), old)));
   number_in_part_.resize(whole.size(), -1);
+  for (Index i = 0; i < numSimulated(); ++i) sharing_[i] = whole.sharing_[number_in_whole_[i]];
   for (std::size_t s = 0; s < old.size(); ++s) {
     number_in_part_[n + old[s]] = numSimulated() + static_cast<Index>(s);
     number_in_whole_.push_back(n + old[s]);
@@ -58,6 +65,12 @@ double ContactPoints::ownMassOf(Index p) const {
   double sum = 0.0;
   between_->visitWeights(p - numSimulated(), [&](Index j, double w) { sum += w * w / masses_[j]; });
   return 1.0 / sum;
+}
+
+double ContactPoints::areaOf(Index p, bool is_shared) const {
+  const Index i = simulationPointOf(p);
+  const double area = areas_.of_points.empty() ? areas_.per_mass * masses_[i] : areas_.of_points[i];
+  return is_shared ? area / static_cast<double>(sharing_[i]) : area;
 }
 
 double ContactPoints::totalMass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact_areas.h"
 #include "points_between.h"
 
 namespace deformable_surface::simulation {
@@ -47,10 +48,14 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
     meeting.hardens =
         params.integrator.type == solve::IntegratorType::kImplicit || params.integrator.type == solve::IntegratorType::kStatic;
     meeting.takes_lone_points = kind_.traits().is_surface;
+    meeting.compliance = params.contact.compliance;
+    if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params, *rest_, *model_).of_points;
     if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
     loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), meeting);
     system_.setMotionLimit(&loads_.self_contact->limit);
   }
+  if (params.contact.compliance > 0.0)
+    loads_.contact.setCompliance(params.contact.compliance, findContactAreas(params, *rest_, *model_));
   loads_.forces.setDropped(rest_->across);
   num_links_ = model_->links() ? static_cast<Index>(model_->links()->stretchLinks().size()) : 0;
 }
@@ -109,7 +114,7 @@ void Dynamics::reset() {
   if (chosen_.integrator != solve::IntegratorType::kAuto) params_.integrator.type = chosen_.integrator;
   tool_watch_.reset();
   reported_loose_ = 0;
-  has_reported_stopped_ = false;
+  has_reported_stopped_ = has_told_compliance_ = false;
   Changes all;
   all.loads = all.parts = all.motion = all.everywhere = true;
   follow(all);

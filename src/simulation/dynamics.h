@@ -208,6 +208,7 @@ class Dynamics {
 
   // A step and its parts.
   void carryOut(const Request& request, std::optional<InterruptScope>& scope, Outcome& outcome);
+  std::string describeCompliance();
   void beginSelfContact(double dt, std::string& notice);
   void beginToolContact(double now, double dt, Outcome& outcome);
   solve::TimeMarch::Outcome findMotion(double now, const Request& request);
@@ -282,8 +283,10 @@ class Dynamics {
   std::uint64_t revision_ = 0;
   std::string growth_notice_, growth_warning_;
   Index last_substeps_ = 0;
-  LooseParts loose_;                   // of static steps
-  bool has_reported_stopped_ = false;  // since the last reset
+  LooseParts loose_;  // of static steps
+  // Since the last reset:
+  bool has_reported_stopped_ = false;
+  bool has_told_compliance_ = false;
   UntanglingProgress untangling_;
   Index reported_loose_ = 0;   // points of loose parts, as said last since the last reset
   DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion

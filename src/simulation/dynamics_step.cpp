@@ -97,6 +97,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (!grips_.isEmpty()) grip = updateGrips(now, dt);
   if (woken_.changed || grip.changed) followLoads();
   appendNotice(outcome.notice, grip.notice);
+  appendNotice(outcome.notice, describeCompliance());
   beginSelfContact(dt, outcome.notice);
   beginAsleep(now);
   if (activity_.isAsleep()) {
@@ -200,6 +201,23 @@ std::string Dynamics::endUntangling(double dt) {
   if (!was_patient || untangling_.time < kPatience) return "";
   return std::to_string(self.contact.pairs().numCrossed()) +
          " triangles are still crossed by others and are not pushed apart any longer: the surface goes on passing through itself";
+}
+
+// Of pads that are harder than contact without them, once until the next reset.
+std::string Dynamics::describeCompliance() {
+  const double stated = params_.contact.compliance;
+  if (!(stated > 0.0) || !(now_.contact_rate > 0.0) || std::exchange(has_told_compliance_, true)) return "";
+  std::string where;
+  const auto add = [&](double own, const char* what) {
+    if (stated < own) where += (where.empty() ? "" : " and ") + std::string(what) + formatShort(own) + " m/Pa";
+  };
+  // In equilibria tools grow by what their contact yields more.
+  if (!loads_.contact.isEmpty() && params_.integrator.type != solve::IntegratorType::kStatic)
+    add(loads_.contact.ownCompliance(), "with tools by up to ");
+  if (loads_.self_contact) add(loads_.self_contact->contact.ownCompliance(), "between parts by up to ");
+  if (where.empty()) return "";
+  return "contact.compliance is " + formatShort(stated) + " m/Pa, and contact yields " + where +
+         " without pads: where this is more, they have no effect";
 }
 
 // Reported once until the next reset.

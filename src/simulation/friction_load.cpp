@@ -35,11 +35,12 @@ FrictionLoad::Rubbing FrictionLoad::beginRubbing(const tool::ToolParams& tool, d
 
 FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const model::State& state, const ContactLoad::Touch& touch) const {
   const Vec3& x = touch.position;
-  const double rate = contact_.rate(), pressing = touch.force.norm();
+  const double rate = contact_.rate(), pressing = touch.force.norm(), full = contact_.points().massOf(touch.point) * rate * rate;
+  const double spring = touch.softness < 1.0 ? std::min(full, touch.stiffness) : full;
   const BodyAnchor* const anchor = findAnchor(state.friction, body.key, touch.point);
   const Vec3 moved = anchor ? Vec3(x - body.pose.position - body.pose.orientation * anchor->place) : Vec3::Zero();
-  return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing,
-           contact_.points().massOf(touch.point) * rate * rate, contact_.points().dampedMassOf(touch.point) * rate},
+  return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing, spring,
+           std::sqrt(spring / full) * contact_.points().dampedMassOf(touch.point) * rate},
           alongSurface(moved, touch.normal),
           alongSurface(contact_.points().findVelocity(touch.point, state.velocities) - body.motion.velocityAt(x), touch.normal),
           anchor && anchor->slides};

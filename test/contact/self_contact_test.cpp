@@ -69,6 +69,21 @@ TEST(SelfContact, SpringsThatHardenPushWithTheGradientOfTheirPotential) {
     }
 }
 
+// Pads a fifth as stiff as the penalty, with the barrier of springs that harden.
+TEST(SelfContact, SpringsOfPadsPushWithTheGradientOfTheirPotential) {
+  SelfContactParams params = kParams;
+  params.areas.assign(50, 1e-4);
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0012, 0.0001);
+  SelfContact hard = makeContact(sheets, spread(sheets.points, 25), params);
+  params.compliance = 5.0 * hard.ownCompliance();
+  SelfContact soft = makeContact(sheets, spread(sheets.points, 25), params);
+  EXPECT_LT(soft.potential(sheets.points), 0.3 * hard.potential(sheets.points));
+  for (const bool hardens : {false, true}) {
+    params.hardens = hardens;
+    checkGradient(sheets, params);
+  }
+}
+
 // A balance is found only where no force sets in at once.
 TEST(SelfContact, ForcesOfSpringsThatHardenAreContinuousAndStrongWhereMotionIsLimited) {
   SelfContactParams params = kParams;

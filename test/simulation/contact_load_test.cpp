@@ -33,6 +33,9 @@ TEST(ContactLoad, PushesAlongMinusTheGradientOfItsPotential) {
     simulation::ContactLoad load(masses);
     load.setTools({tool});
     load.setRate(100.0);
+    std::vector<double> areas(40, 1.0);  // pads are stiffer than the penalty at half of the points
+    std::fill_n(areas.begin(), 20, 0.01);
+    load.setCompliance(1e-4, {areas, 0.0});
     Points forces(40, Vec3::Zero());
     load.addForces(0.7, state, forces);
     int touched = 0;

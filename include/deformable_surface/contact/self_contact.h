@@ -27,6 +27,8 @@ struct SelfContactParams {
   bool hardens = false;           // springs become ever stiffer towards the least distance that limit() allows, and damping sets
                                   // in gradually: for methods that search a balance of forces
   bool takes_lone_points = true;  // points without triangles at rest touch those of others; else they are no part of it
+  double compliance = 0.0;        // m/Pa, of a pad between parts; 0: none
+  std::vector<double> areas{};    // (n) m^2, that vertices stand for on one side; empty without a pad
 };
 
 /// The contact force of one pair.
@@ -49,6 +51,8 @@ class SelfContact {
   void keepWhole(const std::vector<char>& is_whole);
   /// See SelfContactParams.
   void setRate(double rate) { params_.rate = rate; }
+  /// m/Pa, of contact between flat layers without a pad: the largest of all places.
+  double ownCompliance() const;
   /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
   /// changing at its present rate. Checks only pairs that are nearer than 1.5 thicknesses plus four times PairList::usualReach().
   bool mayTouch(const Points& positions, const Points& velocities, double time);
@@ -161,7 +165,9 @@ class SelfContact {
   /// Adds the block, given at the gap, to the blocks of the pair's vertices.
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
   const std::vector<Near>& measure(const Points& positions, double reach);
-  double stiffness(const Pair& pair) const;
+  double penalty(const Pair& pair) const;    // N/m, without a pad
+  double stiffness(const Pair& pair) const;  // N/m
+  double rateOf(const Pair& pair) const;     // 1/s, of the least mass on a spring of this stiffness
   struct Spring {
     double energy, force, stiffness;  // J, N, N/m
   };

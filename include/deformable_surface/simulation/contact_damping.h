@@ -4,10 +4,13 @@
 
 #include "deformable_surface/simulation/contact_load.h"
 
+#include <cmath>
+
 namespace deformable_surface::simulation {
 
 /// F = -c v n on a point that touches a solid tool. v: velocity of the point relative to the tool, along the
-/// outward normal n. c = 2 zeta m r, with zeta = kShare and m r^2 the stiffness of the contact spring. F never exceeds the spring
+/// outward normal n. c = 2 zeta m r, with zeta = kShare and m r^2 the stiffness of the contact spring; on a
+/// pad, which makes it softer, times the square root of the ratio. F never exceeds the spring
 /// force on the way out, so that contact does not pull; if it is gradual, for methods that search a balance, nor on the way in,
 /// so that it does not set in at once. About half of the speed is left after an impact. Without this damping, points pressed
 /// between two tools bounced higher and higher, because friction added energy on their way. Contact of surfaces without friction
@@ -32,10 +35,13 @@ class ContactDamping : public solve::ExternalLoad {
   Vec3 findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const;
 
  private:
-  double coefficient(double mass) const { return 2.0 * kShare * mass * contact_.rate(); }  // c, N s/m
+  double coefficient(double mass) const { return 2.0 * kShare * mass * contact_.rate(); }  // c without a pad, N s/m
+  double coefficient(const ContactLoad::Touch& touch) const {
+    return std::sqrt(touch.softness) * coefficient(contact_.points().dampedMassOf(touch.point));
+  }
   /// c v, N.
   double findFull(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const;
-  /// m r^2, N/m.
+  /// m r^2, or what a pad leaves of it, N/m.
   double springOf(const ContactLoad::Touch& touch) const;
   Vec3 findForce(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const;
 

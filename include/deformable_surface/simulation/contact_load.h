@@ -2,12 +2,14 @@
 // load on the simulation points. Solid tools also touch points of the cloud between simulation points.
 #pragma once
 
+#include "deformable_surface/contact/pad.h"
 #include "deformable_surface/simulation/contact_points.h"
 #include "deformable_surface/solve/external_load.h"
 #include "deformable_surface/tool/crossing.h"
 #include "deformable_surface/tool/tool.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -36,6 +38,10 @@ namespace deformable_surface::simulation {
 /// A tool that appears where points already are moves to its place from the nearest one in which it touches none, straight and at
 /// constant speed within kArrival. Otherwise the points would leave at the speed r d, some hundred metres a second, in different
 /// directions.
+///
+/// A pad (setCompliance()) makes springs as soft as itself: see contact::findPadStiffness(). The area of a cell is shared by the
+/// points that may touch in it. There, spare points touch only if no other point of their cell does, and none is stiffer than its
+/// share. In equilibria the tool's surface then grows to where the depth is that of the pad.
 ///
 /// An attracting tool pulls the points within its reach R on either side to its surface: F = -k s d (1 - (d / R)^2)^2 n at the
 /// distance d, s the point's share of the total mass; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
@@ -139,6 +145,14 @@ class ContactLoad : public solve::ExternalLoad {
     stiffening_ = factor;
     forgetTouches();
   }
+  /// m/Pa, of a pad between the points and all tools that push; 0: none.
+  void setCompliance(double compliance, ContactPoints::Areas areas) {
+    compliance_ = compliance;
+    points_.setAreas(std::move(areas));
+    forgetTouches();
+  }
+  /// m/Pa, of the contact of all points of a cell together without a pad: the largest of all cells.
+  double ownCompliance() const;
 
   void addForces(double time, const model::State& state, Points& forces) const override;
   double potential(double time, const model::State& state) const override;
@@ -159,6 +173,7 @@ class ContactLoad : public solve::ExternalLoad {
     Vec3 force;        // N, on the point, along the normal
     double pressed;    // m, of the contact spring: depth and growth; 0 for tools that attract
     double stiffness;  // N/m, of the contact spring, or of attraction where it is stiffest
+    double softness;   // of the contact spring, 0 to 1: its stiffness over that without a pad
   };
   /// The touches of one body, for every point that it acts on, ascending. Valid until the next call with another time or other
   /// positions. Computed once for all callers.
@@ -204,6 +219,15 @@ class ContactLoad : public solve::ExternalLoad {
   void chooseAlone(const Body& body, double time, const Points& positions, const std::vector<char>& held,
                    const std::vector<Touch>& touches);
   bool easeAlone(double time, double step, const Points& positions, const std::vector<char>& held, Body& body);
+  /// Whether points between share the area of a cell with its simulation point.
+  bool isShared(const geometry::Solid& shape, Index cell) const;
+  /// N/m, of the pad that a point presses on.
+  double padOf(Index point, bool is_shared) const {
+    return compliance_ > 0.0 ? contact::findPadStiffness(points_.areaOf(point, is_shared), compliance_)
+                             : std::numeric_limits<double>::infinity();
+  }
+  /// Whether the pad is softer than contact at a point that shares its cell.
+  bool isPadded(Index point) const { return padOf(point, true) < rate_ * rate_ * points_.massOf(point); }
   void addStiffBounds(const Body& body, double time, const model::State& state, std::vector<double>& stiffness) const;
   double grow(double time, const Points& positions, const std::vector<char>& held, Body& body);
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
@@ -217,7 +241,7 @@ class ContactLoad : public solve::ExternalLoad {
 
   ContactPoints points_;
   std::vector<Body> bodies_;  // solid, cut and attract
-  double rate_ = 0.0, stiffening_ = 1.0, most_growth_ = 0.0;
+  double rate_ = 0.0, stiffening_ = 1.0, compliance_ = 0.0, most_growth_ = 0.0;
   bool grows_ = false, arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
   std::string notice_;
   mutable double seconds_ = 0.0;
@@ -241,6 +265,7 @@ class ContactLoad : public solve::ExternalLoad {
   std::vector<Pressed> grown_, spare_;  // scratch; spare_: newly chosen, with their depth in place of growth
   struct Deepest {
     Index point = -1;
+    bool has_pressed = false;
     double depth = 0.0, next = 0.0;  // m, of the deepest touching point of a cell and of the next
   };
   std::vector<Deepest> deepest_;       // (m) scratch

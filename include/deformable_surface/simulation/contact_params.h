@@ -9,7 +9,8 @@ namespace deformable_surface::simulation {
 struct ContactParams {
   Index cloud_points = 8;           // 0 .. 64: per cell, beside its simulation point, that touch tools
   bool self = false;                // parts of the surface do not pass through each other
-  bool untangle = false;            // parts that pass through each other at rest are pushed apart
+  bool untangle = false;            // parts that pass through each other when a state begins are pushed apart
+  double compliance = 0.0;          // m/Pa, >= 0: depth of contact per pressure; 0 = that of the penalty
   OrAuto<double> thickness;         // m, > 0; auto = that of the material; of solids a fifth of the spacing
   double friction = 0.0;            // Coulomb's coefficient, >= 0
   OrAuto<double> kinetic_friction;  // coefficient of kinetic friction, at most the static one; auto = friction
@@ -20,7 +21,13 @@ inline void visit(Fields& fields, ContactParams& p) {
                  "points of the cloud around each simulation point that touch solid tools as well (mass_spring); 0 = simulation "
                  "points alone");
   fields.flag("self", p.self, "parts of a mass-spring surface, or of an elastic solid in space, do not pass through each other");
-  fields.flag("untangle", p.untangle, "parts that pass through each other at rest are pushed apart; with `self`");
+  fields.flag(
+      "untangle", p.untangle,
+      "parts that pass through each other at the beginning, or in a state that is set or restored, are pushed apart; with "
+      "`self`");
+  fields.number("compliance", p.compliance, "m/Pa", between(0.0, 1.0),
+                "of soft pads between the surface and tools, and between its own parts: depth of contact over pressure; 0 = no "
+                "pads");
   fields.number("thickness", p.thickness, "m", between(1e-9, kMaxLength),
                 "distance at which parts of the surface begin to push each other apart; `auto` = material.thickness, of "
                 "elastic solids a fifth of the spacing of the simulation points");

@@ -24,6 +24,15 @@ class ContactPoints {
   void setBetween(std::shared_ptr<const transfer::SampledPoints> between);
   const transfer::SampledPoints* between() const { return between_.get(); }
   const std::shared_ptr<const transfer::SampledPoints>& sharedBetween() const { return between_; }
+  /// Areas at rest, m^2: of each simulation point (m), or, where points come and go, per mass (m^2/kg). Default: none.
+  struct Areas {
+    std::vector<double> of_points;
+    double per_mass = 0.0;
+  };
+  void setAreas(Areas areas) { areas_ = std::move(areas); }
+  /// m^2: of the simulation point; if it is shared, an equal part of it for this point and each of those between in its cell that
+  /// are not spare.
+  double areaOf(Index p, bool is_shared) const;
   /// Points between that follow both sides of a cut (1): they touch nothing. Empty: none.
   void setSevered(std::vector<char> is_severed) { is_severed_ = std::move(is_severed); }
   /// Becomes the points of a part: new_index (of the simulation points of the whole) or -1, the same in every call.
@@ -81,7 +90,9 @@ class ContactPoints {
   std::shared_ptr<const transfer::SampledPoints> between_;
   std::vector<double> damped_mass_;     // (points between) kg
   std::vector<double> damped_mass_on_;  // (m) kg, from damped_mass_ alone
-  std::vector<char> is_severed_;        // (points between), or empty
+  std::vector<Index> sharing_;          // (m) points that share the area of a cell; empty: each has one
+  Areas areas_;
+  std::vector<char> is_severed_;  // (points between), or empty
   std::shared_ptr<const transfer::SampledPoints> taken_from_;
   std::vector<Index> number_in_part_, number_in_whole_;
 };

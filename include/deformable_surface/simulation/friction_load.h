@@ -11,6 +11,7 @@ namespace deformable_surface::simulation {
 
 /// Coulomb's friction by contact::FrictionLaw. A point that begins to touch a tool sticks to the touched place of the tool;
 /// State::friction stores the place. The spring has the stiffness of the contact spring, k = m r^2, and damping c = m r.
+/// On a pad it is no stiffer than the pad, and the damping follows the square root.
 /// Equilibria have no friction.
 class FrictionLoad : public solve::ExternalLoad {
  public:
