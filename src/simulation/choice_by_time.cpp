@@ -29,7 +29,7 @@ double timeProbe(const SceneParams& params, const RestSurface& full, Index point
   quiet.sleep.mode = Sleep::kNever;  // to time a surface in motion
   quiet.output.resample = false;
   EstimatedDynamics trial(quiet, buildTrial(quiet, full, points));
-  if (params.accuracy.estimate && trial.dynamics().kind().traits().has_estimate) trial.estimateError();
+  if (params.accuracy.estimate && trial.dynamics().kind().refuseEstimate(params).empty()) trial.estimateError();
   const auto step = [&] {
     const Timer timer;
     return trial.step().ok ? timer.seconds() : std::numeric_limits<double>::infinity();

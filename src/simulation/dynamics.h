@@ -61,10 +61,10 @@ class Dynamics {
   };
   struct Outcome {
     bool ok = true;
-    std::string failure;     // what was wrong, as the end of "step 3 ..."
-    std::string notice;      // for the user of a step that succeeded; else empty
-    bool has_slept = false;  // through the step
-    bool has_cut = false;
+    std::string failure;                                 // what was wrong, as the end of "step 3 ..."
+    std::string notice;                                  // for the user of a step that succeeded; else empty
+    bool has_slept = false;                              // through the step
+    bool has_cut = false, leaves_copies = false;         // see Evolution
     bool has_new_arrival = false;                        // see ContactLoad
     std::optional<double> second_distance;               // m, how far the end of the second search is from that of the first
     double contact_seconds = 0.0, search_seconds = 0.0;  // s of wall time

@@ -133,8 +133,9 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
     appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, trianglesOf(*model_)));
     outcome.contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part_ ? part_->takeContactSeconds() : 0.0);
   }
-  const auto [has_cut, has_flowed] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
+  const auto [has_cut, has_flowed, leaves_copies] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
   outcome.has_cut = has_cut;
+  outcome.leaves_copies = leaves_copies;
   if (has_cut) {
     placePointsBetween();
     followCuts();

@@ -23,7 +23,8 @@ constexpr Index kFineness = 2;  // of the copy in finer sub-steps: the differenc
 constexpr double kLeastFineness = 1.5;
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws with other seeds; see docs/accuracy_control.md.
-constexpr double kSpaceFactor = 1.6;  // also for losses of the transfer, and for solids
+constexpr double kSpaceFactor = 1.6;     // also for losses of the transfer, and for solids
+constexpr double kParticleFactor = 2.5;  // see docs/oriented_particles.md
 constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
 // With fewer simulation points estimates were below errors. The same holds for more than this share of the input's points, except
@@ -91,8 +92,10 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
     coarse.integrator.max_substeps = max_substeps;
     verlet_ = std::make_unique<Dynamics>(coarse, copyCoarser(coarse, surface));
   }
-  if (dynamics.kind().mayDent(params))
+  if (dynamics.kind().mayDent(params)) {
+    if (const model::Links* links = dynamics.model().links()) links->refreshDisplay(dynamics.state());
     dents_ = DentWatch(params.material, level.points, trianglesOf(dynamics.model()), level.area, num_full);
+  }
   reset();
 }
 
@@ -159,6 +162,8 @@ void ErrorEstimator::setMemory(const Memory& saved) {
 
 void ErrorEstimator::apply(const Command& command) {
   if (const auto* given = std::get_if<command::SetState>(&command)) return setState(given->state);
+  if (std::holds_alternative<command::EditParticles>(command) || std::holds_alternative<command::GrowSurface>(command))
+    return lose();
   forEachCopy([&](Dynamics& copy) { copy.apply(command); });
 }
 
@@ -176,7 +181,7 @@ void ErrorEstimator::pass() {
 
 void ErrorEstimator::setState(const model::State& state) {
   if (seen_.is_lost) return;
-  if (std::count(common_.begin(), common_.end(), Index{-1}) > 0) return lose();
+  if (common_.empty() || std::count(common_.begin(), common_.end(), Index{-1}) > 0) return lose();
   forEachCopy([&](Dynamics& copy) {
     model::State coarse;
     for (std::size_t i = 0; i < common_.size(); ++i) {
@@ -214,8 +219,8 @@ void ErrorEstimator::followVerlet(IntegratorType type) {
   twin_->disturb(disturbance_);
 }
 
-// False if one of them could not take a sound step.
-bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
+// Returns why the estimate ends with this step; empty: it does not.
+std::string ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   if (seen_.steps++ == 0) seen_.follows_verlet = verlet_ && isDamping(type);
   if (seen_.follows_verlet) followVerlet(type);
   // If Verlet steps fail, auto repeats them implicitly.
@@ -237,7 +242,8 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
     seen_.shadow_substeps += shadow_->lastSubsteps();
     seen_.twin_substeps += twin_->lastSubsteps();
   }
-  return shadow.ok && twin.ok;
+  if (!shadow.ok || !twin.ok) return "a coarser copy could take no sound step";
+  return shadow.leaves_copies || twin.leaves_copies ? "bonds of a coarser copy broke" : "";
 }
 
 // In steps dents are watched as they grow; in equilibria the load counts; forces that press in count in both.
@@ -296,9 +302,9 @@ std::pair<Dynamics::Outcome, Dynamics::Outcome> ErrorEstimator::stepBoth(Dynamic
   return {std::move(of_a), std::move(of_b)};
 }
 
-std::string ErrorEstimator::follow(const Dynamics& level, bool has_cut) {
+std::string ErrorEstimator::follow(const Dynamics& level, bool ends) {
   seen_before_ = seen_;
-  seen_.is_lost = seen_.is_lost || has_cut;
+  seen_.is_lost = seen_.is_lost || ends;
   dents_before_ = dents_.growth();
   stepped_.clear();
   twin_left_.reset();
@@ -318,16 +324,22 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   const Buckling buckling = seen_.has_dented ? Buckling::kLikely : judgeBuckling(level);
   seen_.may_buckle = seen_.may_buckle || buckling != Buckling::kUnlikely;
   if (seen_.is_lost) return "";
+  // Searches by particles end far apart where there is more than one equilibrium, also without dents.
+  seen_.may_end_elsewhere = common_.empty() && type == IntegratorType::kStatic && seen_.may_buckle;
   const bool was_halved = seen_.is_halved;
-  if (!stepCopies(type, level.lastSubsteps())) {
+  if (const std::string why = stepCopies(type, level.lastSubsteps()); !why.empty()) {
     seen_.is_lost = true;
-    return "the error cannot be estimated until the next reset: a coarser copy could take no sound step";
+    return "the error cannot be estimated until the next reset: " + why;
   }
 
-  // Distance of the simulation from its shadow at their common points, and the loss at the points that follow these.
+  // Distance of the simulation from its shadow at their common points, and the loss at the points that follow these; or at all
+  // points from where they would follow the shadow.
   const Points& shadow = shadow_->state().positions;
   double apart = 0.0, lost = 0.0;
-  if (is_simplified_ || is_body_) {
+  if (is_simplified_ && common_.empty()) {
+    refine_(shadow, refined_);
+    apart = findLargestDistance(refined_, positions);
+  } else if (is_simplified_ || is_body_) {
     for (std::size_t i = 0; i < shadow.size(); ++i) {
       if (common_[i] < 0) continue;
       coarse_now_[i] = positions[common_[i]];
@@ -340,7 +352,7 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   // An oscillating difference passes through zero, unlike the error: the largest value so far counts as long as damping allows.
   const double lasting = type == IntegratorType::kStatic ? 0.0 : std::exp(-0.5 * level.system().damping() * step_);
   const auto hold = [&](double& held, double now) { held = std::max(lasting * held, now); };
-  hold(seen_.space, kSpaceFactor * (is_body_ ? 1.0 : unresolved_) * apart);
+  hold(seen_.space, (common_.empty() ? kParticleFactor : kSpaceFactor) * (is_body_ ? 1.0 : unresolved_) * apart);
   hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
   if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
   std::string notice = followTools(level, lasting);
@@ -403,7 +415,7 @@ double ErrorEstimator::measureTime(IntegratorType type) const {
 
 bool ErrorEstimator::isBounded() const {
   return !(seen_.is_lost || has_hinged_pins_ || seen_.is_chaotic || seen_.has_unfelt || seen_.has_dented || seen_.has_others ||
-           seen_.is_unbalanced);
+           seen_.is_unbalanced || seen_.may_end_elsewhere);
 }
 
 // Copies that share what is wrong with the simulation say nothing: pins that hinge in both, and a search of all points that ended

@@ -49,10 +49,10 @@ class ErrorEstimator {
   /// The level has a state that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }
 
-  /// Follows a step that the level has taken; has_cut: which has cut it, so that there is no estimate from now on. Allocates
+  /// Follows a step that the level has taken; ends: which has changed it so that there is no estimate from now on. Allocates
   /// nothing after the first. Returns a sentence when the estimate ceases to be a bound, or to exist; else an empty one. Throws
   /// Interrupted if the level's interrupt is true at the end: the step then counts as not followed.
-  std::string follow(const Dynamics& level, bool has_cut);
+  std::string follow(const Dynamics& level, bool ends);
 
   /// Whether the next equilibrium, the first since the last reset or set state, should be searched for twice: copies of fewer
   /// points may miss other equilibria. The second search starts searchDisturbance() (m) from the start of the first.
@@ -96,6 +96,7 @@ class ErrorEstimator {
     bool is_halved = false;  // the method damps, and its twin takes halved steps for want of that
     bool is_lost = false, is_chaotic = false, has_dented = false;
     bool may_buckle = false;                        // chaotic, dented or with others, or nearly so, at any time
+    bool may_end_elsewhere = false;                 // the last equilibrium is of particles that may have buckled
     bool is_unbalanced = false;                     // the last equilibrium is none
     bool has_met = false;                           // parts of the body touch, or have touched
     bool has_unfelt = false;                        // a tool was in the surface and pushed nothing
@@ -106,7 +107,7 @@ class ErrorEstimator {
   std::string followStep(const Dynamics& level);
   std::pair<Dynamics::Outcome, Dynamics::Outcome> stepBoth(Dynamics& a, Dynamics& b);
   void followVerlet(solve::IntegratorType type);
-  bool stepCopies(solve::IntegratorType type, Index substeps);
+  std::string stepCopies(solve::IntegratorType type, Index substeps);
   // The copy that takes the same kind of steps as the twin: a damping method cannot show chaos.
   const Dynamics& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
@@ -123,7 +124,7 @@ class ErrorEstimator {
   double step_ = 0.0;                                   // s
   double disturbance_ = 0.0;                            // m, of the twin
   double spacing_ = 0.0, level_spacing_ = 0.0;          // m, of the copies and of the simulation
-  std::vector<Index> common_;                           // (m) the level's point that each point of the copies is; -1: none
+  std::vector<Index> common_;                           // (m) see CoarserLevel
   std::function<void(const Points&, Points&)> refine_;  // from the copies' points to the level's
 
   // Copies of fewer points: one like the simulation; one with Verlet steps, beside an integrator that damps, as long as

@@ -15,7 +15,12 @@ EstimatedDynamics::EstimatedDynamics(const EstimatedDynamics& other, bool to_loo
 
 Changes EstimatedDynamics::apply(const Command& command) {
   Changes changes = dynamics_->apply(command);
-  if (changes.done && estimator_) estimator_->apply(command);
+  if (!changes.done || !estimator_) return changes;
+  const bool was_finite = std::isfinite(estimator_->total());
+  estimator_->apply(command);
+  if (was_finite && !std::isfinite(estimator_->total()))
+    appendNotice(changes.notice,
+                 "coarser copies cannot do the same to their own points: there is no error estimate until the next reset");
   return changes;
 }
 
@@ -80,11 +85,13 @@ EstimatedDynamics::Outcome EstimatedDynamics::takeStep() {
 // The copies take the same step. If it is interrupted, none of them has taken it.
 void EstimatedDynamics::estimate(Outcome& outcome) {
   if (outcome.has_new_arrival) estimator_->adoptArrivals(dynamics_->loads().contact);
-  const bool ends = outcome.has_cut && std::isfinite(estimator_->total());
-  const std::string notice = estimator_->follow(*dynamics_, outcome.has_cut);
-  if (ends)
+  const bool has_others = dynamics_->state().size() != static_cast<Index>(dynamics_->rest().points.size());
+  const bool has_left = outcome.leaves_copies || has_others, was_finite = std::isfinite(estimator_->total());
+  const std::string notice = estimator_->follow(*dynamics_, outcome.has_cut || has_left);
+  if (was_finite && (outcome.has_cut || has_left))
     appendNotice(outcome.notice,
-                 "the surface is cut, which its coarser copies do not follow: there is no error estimate until the next reset");
+                 std::string(outcome.has_cut ? "the surface is cut" : "particles are torn apart, heated, added or removed") +
+                     ", which its coarser copies do not follow: there is no error estimate until the next reset");
   appendNotice(outcome.notice, notice);
   estimator_->learnBalance(dynamics_->params().integrator.type != solve::IntegratorType::kStatic || outcome.report.converged);
   if (outcome.second_distance) appendNotice(outcome.notice, estimator_->learnSecondSearch(*outcome.second_distance));

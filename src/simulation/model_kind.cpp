@@ -32,6 +32,10 @@ RestSurface ModelKind::makeTrial(const SceneParams&, const RestSurface&, Index) 
 
 RestSurface ModelKind::makeCoarser(const SceneParams&, const RestSurface&, Index) const { refuse("coarser copies", *this); }
 
+std::string ModelKind::refuseEstimate(const SceneParams&) const {
+  return traits().has_estimate ? "" : "has none; runs with other numbers of simulation points show how far results depend on it";
+}
+
 CoarserLevel ModelKind::makeCopies(const SceneParams&, const RestSurface&) const { refuse("coarser copies", *this); }
 
 RestSurface ModelKind::copyCoarser(const SceneParams& params, const RestSurface& of) const {

@@ -61,11 +61,11 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
     dynamics().chooseIntegrator(choice.integrator);
   const ModelKind& kind = dynamics().kind();
-  if (params.accuracy.estimate && !kind.traits().has_estimate)
-    notes.push_back(std::string("no error estimate: model ") + kind.name() +
-                    " has none; runs with other numbers of simulation points show how far results depend on it");
+  const std::string refused = kind.refuseEstimate(params);
+  if (params.accuracy.estimate && !refused.empty())
+    notes.push_back(std::string("no error estimate: model ") + kind.name() + " " + refused);
   try {
-    if (params.accuracy.estimate && kind.traits().has_estimate) run.estimateError();
+    if (params.accuracy.estimate && refused.empty()) run.estimateError();
   } catch (const InputError& problem) {
     notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
   }

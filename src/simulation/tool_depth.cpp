@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "points_between.h"
 #include "tool_reach.h"
 
 namespace deformable_surface::simulation {
@@ -48,9 +49,12 @@ bool isInside(const geometry::Solid& shape, const tool::Pose& pose, const Vec3& 
 
 std::shared_ptr<const transfer::SampledPoints> chooseWatched(const Dynamics& level) {
   SceneParams params = level.params();
-  if (params.contact.cloud_points >= kWatched) return level.loads().contact.points().sharedBetween();
+  const RestSurface& rest = level.rest();
+  // No points between particles touch tools, but they are watched.
+  const bool touches = !level.kind().traits().is_oriented;
+  if (touches && params.contact.cloud_points >= kWatched) return level.loads().contact.points().sharedBetween();
   params.contact.cloud_points = kWatched;
-  return level.kind().makeBetween(params, level.rest());
+  return touches ? level.kind().makeBetween(params, rest) : choosePointsBetween(params, rest.dense, rest, false);
 }
 
 }  // namespace

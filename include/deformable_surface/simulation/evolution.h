@@ -70,6 +70,7 @@ class Evolution {
   virtual void beginStep(double /*time*/, const std::vector<tool::ToolParams>& /*tools*/, const Points& /*positions*/) {}
   struct AfterStep {
     bool has_cut = false, has_flowed = false;
+    bool leaves_copies = false;  // points have changed in another way that copies of fewer points do not follow
   };
   /// After the points have moved. follower: null if nothing follows them.
   virtual AfterStep endStep(double /*time*/, double /*step*/, const std::vector<tool::ToolParams>& /*tools*/,

@@ -44,8 +44,10 @@ constexpr Index kCoarserRatio = 4;
 
 /// A surface of fewer points for the error estimate, and its relation to the level that it copies.
 struct CoarserLevel {
-  RestSurface surface;        // without dense points
-  std::vector<Index> common;  // (m) the point of the level that each of its points is; -1: none
+  RestSurface surface;  // without dense points
+  /// (m) the point of the level that each of its points is; -1: none. Empty: it has points of its own, and distances are those of
+  /// the level's points from where refine moves them.
+  std::vector<Index> common;
   /// Moves the level's points as they would follow the points of the copy, m.
   std::function<void(const Points& coarse, Points& level)> refine;
   bool is_body = false;        // the level's points fill a body; they are not the surface of a cloud
@@ -79,6 +81,8 @@ class ModelKind {
   virtual bool isPlate(const SceneParams& /*scene*/) const { return false; }
   /// Whether dents may grow that are too short to show in the points.
   virtual bool mayDent(const SceneParams& /*scene*/) const { return false; }
+  /// Why this scene has no error estimate, as the end of "model NAME ..."; empty if it has one.
+  virtual std::string refuseEstimate(const SceneParams& scene) const;
   /// Whether a trial may choose a lower membrane stiffness.
   virtual bool maySoften(const SceneParams& /*scene*/) const { return false; }
 

@@ -20,6 +20,7 @@ class OrientedParticlesKind : public ModelKind {
   ModelTraits traits() const override {
     ModelTraits traits;
     traits.is_surface = traits.is_oriented = traits.has_population = traits.is_timed = traits.is_prepared = true;
+    traits.has_estimate = true;
     return traits;
   }
 
@@ -67,6 +68,21 @@ class OrientedParticlesKind : public ModelKind {
   }
   RestSurface makeTrial(const SceneParams& params, const RestSurface& full, Index points) const override {
     return makeParticlesTrial(params, full, points);
+  }
+
+  std::string refuseEstimate(const SceneParams& scene) const override {
+    if (scene.oriented_particles.bonds == model::ParticleBonds::kFree)
+      return "has one with oriented_particles.bonds: kept only; runs with other numbers of simulation points show how far "
+             "results depend on it";
+    if (!scene.creases.empty()) return "has none with creases, which are as wide as the particles are apart";
+    return "";
+  }
+  bool mayDent(const SceneParams& scene) const override { return scene.oriented_particles.bonds == model::ParticleBonds::kKept; }
+  CoarserLevel makeCopies(const SceneParams& params, const RestSurface& level) const override {
+    return makeParticleCopies(params, level);
+  }
+  RestSurface copyCoarser(const SceneParams& params, const RestSurface& of) const override {
+    return copyCoarserParticles(params, of);
   }
 
   std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams& params,

@@ -356,6 +356,7 @@ Evolution::AfterStep ParticleLife::endStep(double time, double step, const std::
   else
     model_.setCuts(model_.followCuts(state));
   after.has_flowed = !model_.cuts().isSameAs(before);
+  after.leaves_copies = after.has_flowed || is_hot_;
   after.has_cut = !before_.empty() && cut(time, step, tools, state);
   return after;
 }

@@ -313,4 +313,46 @@ RestSurface makeParticlesTrial(const SceneParams& params, const RestSurface& ful
   return s;
 }
 
+// Its particles slide to places of their own: none is at the place of one of the level. Nor are those of the level at places of a
+// simulation of all points. However few points are left out, all of the surface counts as unresolved.
+CoarserLevel makeParticleCopies(const SceneParams& params, const RestSurface& level) {
+  const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(level.dense.positions.size());
+  CoarserLevel copies;
+  copies.is_simplified = n < num_full;
+  copies.surface = makeParticlesTrial(params, level, std::max(kCoarsestPoints, n / kCoarserRatio));
+  RestSurface& surface = copies.surface;
+  const bool is_euclidean = params.neighbors.areEuclidean();
+  Lists followed;
+  if (!is_euclidean) {
+    std::vector<Index> owner;
+    for (const Index i : level.dense_index) owner.push_back(surface.cells.owner[i]);
+    followed = cloud::findChosenNear(surface.cells, owner, level.points, params.transfer.k);
+  }
+  const std::vector<char> usable(surface.points.size(), 1);
+  copies.refine = [transfer = transfer::Transfer(level.points, level.normals, surface.points, usable, params.transfer,
+                                                 is_euclidean ? nullptr : &followed)](const Points& coarse, Points& fine) {
+    transfer.apply(coarse, fine);
+  };
+  surface.dense = {};
+  surface.dense_neighbors = {};
+  return copies;
+}
+
+// Pins hold the particles that were in them before all slid.
+RestSurface copyCoarserParticles(const SceneParams&, const RestSurface& of) {
+  RestSurface s;
+  s.area = of.area;
+  s.across = of.across;
+  s.closed = of.closed;
+  s.points = of.points;
+  s.normals = of.normals;
+  s.dense_index = of.dense_index;
+  s.pinned = of.pinned;
+  s.pin_of = of.pin_of;
+  s.pinned_turns = of.pinned_turns;
+  s.creased = of.creased;
+  s.model = of.model->clone();
+  return s;
+}
+
 }  // namespace deformable_surface::simulation

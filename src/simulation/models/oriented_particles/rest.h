@@ -9,5 +9,7 @@ namespace deformable_surface::simulation {
 RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose);
 RestSurface finishParticlesRest(const SceneParams& params, RestSurface prepared, const ModelKind::Choose& choose);
 RestSurface makeParticlesTrial(const SceneParams& params, const RestSurface& full, Index points);
+CoarserLevel makeParticleCopies(const SceneParams& params, const RestSurface& level);
+RestSurface copyCoarserParticles(const SceneParams& params, const RestSurface& of);
 
 }  // namespace deformable_surface::simulation
