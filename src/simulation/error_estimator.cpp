@@ -262,11 +262,13 @@ std::string ErrorEstimator::followTools(const Dynamics& level, double lasting) {
   const bool has_tools = !level.loads().contact.isEmpty();
   if (has_tools && !depth_) depth_ = std::make_unique<ToolDepth>(level);
   seen_.depth = std::max(lasting * seen_.depth, has_tools ? depth_->measure(level) : 0.0);
-  const tool::ToolParams* const unfelt = has_tools && !seen_.has_unfelt ? depth_->findUnfelt(level, level_spacing_) : nullptr;
+  const auto [unfelt, is_needle] =
+      has_tools && !seen_.has_unfelt ? depth_->findUnfelt(level, level_spacing_) : ToolDepth::Unfelt();
   if (!unfelt) return "";
   seen_.has_unfelt = true;
   return "error_estimate is no bound until the next reset: tool " + quote(unfelt->id) +
-         " is in the surface, between the points that touch tools";
+         (is_needle ? " is narrower than one and a half spacings of the cloud, and may pass between its points or hang on one"
+                    : " is in the surface, between the points that touch tools");
 }
 
 // Returns a sentence when parts of a body first touch: its copies' parts do so at other times and places.

@@ -18,11 +18,22 @@ constexpr Index kWatched = 16;
 
 // Depth of a tool that counts as in the surface, over the spacing and over the tool's smallest extent. Tools are less deep when
 // they have just met it.
-constexpr double kUnfelt = 0.1, kInside = 0.25;
+constexpr double kUnfelt = 0.1, kInside = 0.25, kLeastInside = 0.01;
+// Width of a needle, over the spacing of the cloud: with 1.0 the looks of a needle of 1.4 spacings still had too low a bound.
+constexpr double kNeedle = 1.5;
 constexpr int kProjections = 16;
 // Fractions of that depth: by which projections aim deeper, so that they get there in finitely many steps; and the least by which
 // each must come nearer.
 constexpr double kSlack = 0.1, kLeastGain = 0.01;
+
+// m, of what passes through a surface with the longest extent ahead: the second of the three.
+double findWidth(const geometry::Solid& shape) {
+  Vec3 extents = Vec3::Constant(2.0 * shape.radius);
+  if (shape.kind == geometry::Solid::Kind::kBox) extents = shape.size;
+  if (shape.kind == geometry::Solid::Kind::kMesh) extents = shape.mesh->high() - shape.mesh->low();
+  std::sort(extents.data(), extents.data() + 3);
+  return extents[1];
+}
 
 Vec3 findClosest(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const std::array<double, 4> weight = contact::findClosestToTriangle(p, a, b, c).weight;
@@ -81,25 +92,33 @@ double ToolDepth::measure(const Dynamics& level) {
   return deepest;
 }
 
-const tool::ToolParams* ToolDepth::findUnfelt(const Dynamics& level, double spacing) const {
+ToolDepth::Unfelt ToolDepth::findUnfelt(const Dynamics& level, double spacing) const {
   const ContactLoad& contact = level.loads().contact;
   const Points& positions = level.state().positions;
+  const double cloud_spacing =
+      static_cast<Index>(level.rest().dense.positions.size()) > level.state().size() ? level.rest().dense_spacing : 0.0;
   for (std::size_t b = 0; b < contact.all().size(); ++b) {
     const ContactLoad::Body& body = contact.all()[b];
     if (body.tool.mode != tool::Mode::kSolid || body.tool.shape.kind == geometry::Solid::Kind::kPlane) continue;
     if (!body.acts.value_or(false)) continue;
     const auto& touches = contact.findTouches(b, level.time(), positions);
     const auto isPushed = [&](const ContactLoad::Touch& touch) { return !contact.points().isHeld(touch.point, level.held()); };
-    if (std::any_of(touches.begin(), touches.end(), isPushed)) continue;
-    const double wanted = std::min(kUnfelt * spacing, kInside * geometry::findSmallestExtent(body.tool.shape));
+    const bool is_needle = findWidth(body.tool.shape) < kNeedle * cloud_spacing;
+    if (std::any_of(touches.begin(), touches.end(), isPushed)) {
+      if (is_needle) return {&body.tool, true};
+      continue;
+    }
+    const double wanted =
+        std::min(kUnfelt * spacing, (is_needle ? kLeastInside : kInside) * geometry::findSmallestExtent(body.tool.shape));
     const tool::Pose pose = tool::interpolate(body.tool.path, level.time());
     for (const model::WeightedTriangle& t : trianglesOf(level.model())) {
       const auto& [i, j, k] = t.corner;
       const bool is_held = level.held()[i] && level.held()[j] && level.held()[k];
-      if (!is_held && isInside(body.tool.shape, pose, positions[i], positions[j], positions[k], wanted)) return &body.tool;
+      if (!is_held && isInside(body.tool.shape, pose, positions[i], positions[j], positions[k], wanted))
+        return {&body.tool, is_needle};
     }
   }
-  return nullptr;
+  return {};
 }
 
 }  // namespace deformable_surface::simulation

@@ -22,8 +22,14 @@ class ToolDepth {
 
   /// The depth (m) of the deepest point now. level: with as many simulation points. Allocates nothing after the first calls.
   double measure(const Dynamics& level);
-  /// A tool in the surface that pushes none of the level's points; null: there is none. spacing: of the simulation points, m.
-  const tool::ToolParams* findUnfelt(const Dynamics& level, double spacing) const;
+  /// A tool in the surface of which the estimate knows nothing; null: there is none. It pushes none of the level's points. Or it
+  /// is a needle, narrower than one and a half spacings of the cloud, where that has more points than the level: whether it hangs
+  /// on a point or passes between them differs between the two. spacing: of the simulation points, m.
+  struct Unfelt {
+    const tool::ToolParams* tool = nullptr;
+    bool is_needle = false;
+  };
+  Unfelt findUnfelt(const Dynamics& level, double spacing) const;
 
  private:
   ToolDepth(std::size_t num_points, std::shared_ptr<const transfer::SampledPoints> between);

@@ -108,7 +108,7 @@ TEST(ErrorEstimateOfTools, IsNoLessThanTheDepthOfPointsInThem) {
 }
 
 TEST(ErrorEstimateOfTools, IsNoBoundOnceOneIsBetweenThePointsThatTouchAndSaysSo) {
-  SceneParams p = pressed(0.02, 1.0);  // a quarter of the spacing in radius
+  SceneParams p = pressed(0.045, 1.0);
   Simulation s(p, sheetCloud());
   EXPECT_NE(runTold(s, 12).find("tool 'ball' is in the surface"), std::string::npos);
   EXPECT_FALSE(s.statistics().error_bounded);
@@ -119,6 +119,19 @@ TEST(ErrorEstimateOfTools, IsNoBoundOnceOneIsBetweenThePointsThatTouchAndSaysSo)
   p.tools.front().shape.radius = 0.06;
   Simulation felt(p, sheetCloud());
   EXPECT_EQ(runTold(felt, 12).find("is in the surface"), std::string::npos);
+}
+
+// In the surface or on a point of it.
+TEST(ErrorEstimateOfTools, IsNoBoundOnceANeedleTouchesAndSaysSo) {
+  for (const Index cloud_points : {0, 8}) {
+    SceneParams p = pressed(0.02, 1.0);  // a quarter of the spacing of the simulation points in radius
+    p.contact.cloud_points = cloud_points;
+    Simulation s(p, sheetCloud());
+    EXPECT_TRUE(s.statistics().error_bounded);
+    EXPECT_NE(runTold(s, 12).find("no bound until the next reset: tool 'ball' is narrower than one and a half spacings"),
+              std::string::npos);
+    EXPECT_FALSE(s.statistics().error_bounded);
+  }
 }
 
 TEST(ErrorEstimateOfTools, GoesOnBitForBitInForksAndFromSnapshots) {
