@@ -30,7 +30,7 @@ foreach(folder ${CATKIN_DEVEL_PREFIX}/share/${PROJECT_NAME}/cmake ${PROJECT_BINA
                                    COMPATIBILITY SameMinorVersion)
 endforeach()
 
-file(GLOB io_sources CONFIGURE_DEPENDS src/io/cloud_filters*.cpp src/io/point_files*.cpp src/io/mesh_files.cpp src/io/load_scene.cpp)
+file(GLOB io_sources CONFIGURE_DEPENDS src/io/cloud_filters*.cpp src/io/point_files*.cpp src/io/mesh_files.cpp src/io/mesh_output.cpp src/io/load_scene.cpp)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/convert/*.cpp src/ros/node/*.cpp src/ros/simulate/*.cpp)
 file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/node/*nodelet.cpp)
 list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet)\\.cpp$")

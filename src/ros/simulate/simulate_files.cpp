@@ -39,6 +39,10 @@ bool areSame(const fs::path& a, const fs::path& b) {
 
 void checkPointFile(const std::string& option, const std::string& file) {
   io::checkPointFileName(file);
+  requireWritable(option, file);
+}
+
+void requireWritable(const std::string& option, const std::string& file) {
   const fs::path target = io::followLinks(file);
   std::error_code error;
   if (access(folderOf(target).c_str(), W_OK) != 0 || fs::is_directory(target, error)) {
@@ -51,11 +55,9 @@ void checkFilesDiffer(const SimulateOptions& options, const simulation::ScenePar
   std::vector<std::pair<std::string, std::string>> others{
       {"the scene", options.scene}, {"--bag_in", options.bag_in}, {"cloud.file", findCloudFile(params.cloud.file)}};
   std::vector<std::string> problems;
-  const std::pair<const char*, std::string> outputs[] = {{"--final", options.final_file},
-                                                         {"--filtered", options.filtered_file},
-                                                         {"--statistics", options.statistics_file},
-                                                         {"--bag_out", options.bag_out},
-                                                         {"--wrenches", options.wrenches_file}};
+  const std::pair<const char*, std::string> outputs[] = {
+      {"--final", options.final_file}, {"--filtered", options.filtered_file}, {"--statistics", options.statistics_file},
+      {"--bag_out", options.bag_out},  {"--wrenches", options.wrenches_file}, {"--mesh", options.mesh_file}};
   for (const auto& [option, output] : outputs) {
     if (output.empty()) continue;
     const auto refuse = [&, name = option, found = output](const std::string& why) {

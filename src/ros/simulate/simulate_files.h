@@ -11,6 +11,8 @@ namespace deformable_surface::node {
 
 /// Throws InputError if a cloud could not be written to the file of the option.
 void checkPointFile(const std::string& option, const std::string& file);
+/// Throws InputError if no file of this name could be written; option: for the sentence.
+void requireWritable(const std::string& option, const std::string& file);
 /// A run must not overwrite its inputs, nor one output another: throws InputError if it would.
 void checkFilesDiffer(const SimulateOptions& options, const simulation::SceneParams& params);
 

@@ -12,9 +12,9 @@
 namespace deformable_surface::node {
 namespace {
 
-const std::vector<std::string> kValueOptions{"--set",        "--duration", "--final",  "--filtered", "--frames",
-                                             "--frame_rate", "--bag_in",   "--topic",  "--bag_out",  "--statistics",
-                                             "--threads",    "--wrenches", "--measure"};
+const std::vector<std::string> kValueOptions{"--set",        "--duration", "--final",   "--filtered", "--frames",
+                                             "--frame_rate", "--bag_in",   "--topic",   "--bag_out",  "--statistics",
+                                             "--threads",    "--wrenches", "--measure", "--mesh",     "--mesh_pieces"};
 const std::vector<std::string> kFlags{"--check", "--quiet", "--strict", "--help", "--version"};
 
 std::string refuseUnknown(const std::string& option) {
@@ -48,6 +48,8 @@ void addQuantity(const std::string& name, SimulateOptions& options, std::vector<
   }
 }
 
+constexpr Index kMostMeshPieces = 64;
+
 void setFrameRate(const std::string& value, SimulateOptions& options, std::vector<std::string>& problems) {
   const Value number = parseNumber(value);
   const double rate = number.asReal() ? *number.asReal() : number.asInteger() ? static_cast<double>(*number.asInteger()) : 0.0;
@@ -55,6 +57,16 @@ void setFrameRate(const std::string& value, SimulateOptions& options, std::vecto
     options.frame_rate = rate;
   } else {
     problems.push_back("--frame_rate: found " + quote(value) + "; accepted: a number above 0 (Hz)");
+  }
+}
+
+void setMeshPieces(const std::string& value, SimulateOptions& options, std::vector<std::string>& problems) {
+  const Value number = parseNumber(value);
+  if (number.asInteger() && *number.asInteger() >= 1 && *number.asInteger() <= kMostMeshPieces) {
+    options.mesh_pieces = static_cast<Index>(*number.asInteger());
+  } else {
+    problems.push_back("--mesh_pieces: found " + quote(value) + "; accepted: a whole number from 1 to " +
+                       std::to_string(kMostMeshPieces));
   }
 }
 
@@ -67,7 +79,7 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
   const std::map<std::string, std::string*> texts{
       {"--final", &options.final_file},           {"--filtered", &options.filtered_file}, {"--frames", &options.frames_directory},
       {"--statistics", &options.statistics_file}, {"--bag_in", &options.bag_in},          {"--bag_out", &options.bag_out},
-      {"--wrenches", &options.wrenches_file}};
+      {"--wrenches", &options.wrenches_file},     {"--mesh", &options.mesh_file}};
   std::vector<std::string> problems, late_assignments;
   std::set<std::string> given;
 
@@ -118,7 +130,9 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
       continue;
     }
     if (!given.insert(argument).second) problems.push_back(argument + ": found twice; accepted: once");
-    if (argument == "--frame_rate") {
+    if (argument == "--mesh_pieces") {
+      setMeshPieces(value, options, problems);
+    } else if (argument == "--frame_rate") {
       setFrameRate(value, options, problems);
     } else if (texts.count(argument) > 0) {
       *texts.at(argument) = value;
@@ -133,6 +147,9 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
     problems.push_back("found no scene; accepted: simulate SCENE.yaml [options], see --help");
   if (given.count("--frame_rate") > 0 && options.frames_directory.empty()) {
     problems.push_back("--frame_rate: found without --frames; accepted: together with --frames DIR");
+  }
+  if (given.count("--mesh_pieces") > 0 && options.mesh_file.empty()) {
+    problems.push_back("--mesh_pieces: found without --mesh; accepted: together with --mesh FILE.obj");
   }
   if (given.count("--topic") > 0 && options.bag_in.empty()) {
     problems.push_back("--topic: found without --bag_in; accepted: together with --bag_in IN.bag");
@@ -149,6 +166,8 @@ std::string describeOptions() {
          "  --final FILE          the full cloud after the last step, with normals; .ply or .pcd\n"
          "  --filtered FILE       the first cloud of the input, with a field that names the input.filter that removed each\n"
          "                        point (docs/camera_clouds.md); .ply or .pcd\n"
+         "  --mesh FILE.obj       the triangles between oriented particles after the last step, with normals\n"
+         "  --mesh_pieces N       --mesh with cubic patches: each edge in N pieces (else 1: flat triangles)\n"
          "  --frames DIR          the full cloud as numbered files from time 0 on; a folder without frames\n"
          "  --frame_rate HZ       rate of --frames, at most one per step (else the scene's output.publish_rate)\n"
          "  --bag_in IN.bag       take clouds, forces, wrenches and tools from a bag, in stamp order, instead of the scene's\n"

@@ -1,6 +1,8 @@
 // The command line of `simulate`, as values.
 #pragma once
 
+#include "deformable_surface/base/types.h"
+
 #include <map>
 #include <set>
 #include <string>
@@ -16,8 +18,9 @@ struct SimulateOptions {
   bool strict = false;  // expectations that are not kept are an error
   std::string scene;
   std::vector<std::string> assignments;  // KEY=VALUE of --set, then of --duration and --threads
-  std::string final_file, filtered_file, frames_directory, statistics_file, bag_in, bag_out,
-      wrenches_file;                          // empty = not wanted
+  std::string final_file, filtered_file, frames_directory, statistics_file, bag_in, bag_out, wrenches_file,
+      mesh_file;                              // empty = not wanted
+  Index mesh_pieces = 1;                      // of an edge of mesh_file
   std::vector<std::string> measured;          // quantities, as in expect
   double frame_rate = 0.0;                    // Hz; 0 = output.publish_rate
   std::map<std::string, std::string> topics;  // of bag_in: cloud_in, force, wrench, tools -> topic

@@ -7,11 +7,13 @@
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/io/cloud_filters.h"
 #include "deformable_surface/io/load_scene.h"
+#include "deformable_surface/io/mesh_output.h"
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/ros/convert/find_package.h"
 #include "deformable_surface/ros/convert/frames.h"
 #include "deformable_surface/ros/convert/robot_tools.h"
+#include "deformable_surface/simulation/model_kind.h"
 
 #include <set>
 #include <utility>
@@ -72,6 +74,13 @@ Run::Run(const SimulateOptions& options, const Terminal& terminal, KeptSurfaces*
     note("what the scene expects is not looked at: it is of the scene's own cloud and duration");
   }
   if (!options.final_file.empty()) checkPointFile("--final", options.final_file);
+  if (!options.mesh_file.empty()) {
+    io::checkMeshFileName(options.mesh_file);
+    requireWritable("--mesh", options.mesh_file);
+    if (!simulation::findModel(params_.model).traits().is_oriented)
+      throw InputError("--mesh: found a scene of the model " + params_.model +
+                       "; accepted: " + simulation::listModels(&simulation::ModelTraits::is_oriented));
+  }
   if (!options.filtered_file.empty()) checkPointFile("--filtered", options.filtered_file);
   if (!options.statistics_file.empty()) statistics_.emplace(options.statistics_file);
   if (!options.wrenches_file.empty()) wrenches_file_.emplace(options.wrenches_file);

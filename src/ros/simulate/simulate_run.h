@@ -66,6 +66,7 @@ class Run {
   // The end, and what is said: simulate_run_report.cpp.
   void finish();
   void measure();
+  void writeMesh();
   void checkExpectations();
   void noteIdleForces();
   void warn(const std::string& line);

@@ -2,12 +2,15 @@
 #include "simulate_run.h"
 
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/io/mesh_output.h"
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/io/scene_old_names.h"
+#include "deformable_surface/model/curved_triangles.h"
 #include "deformable_surface/simulation/expectations.h"
 #include "deformable_surface/simulation/loads.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -20,6 +23,7 @@ void Run::finish() {
     const simulation::Surface& surface = simulation_->surface(true);
     io::writePointFile(options_.final_file, makeOutputCloud(surface, simulation_->input()), surface.displacement);
   }
+  if (!options_.mesh_file.empty()) writeMesh();
   if (statistics_) statistics_->finish();
   if (wrenches_file_) wrenches_file_->finish();
   if (output_bag_) output_bag_->finish();
@@ -41,6 +45,18 @@ void Run::finish() {
                 statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, set_up_seconds_,
                 runTime() / (wall_time - set_up_seconds_), largest, static_cast<unsigned long long>(statistics.state_hash));
   terminal_.out << text << std::flush;
+}
+
+void Run::writeMesh() {
+  const model::State& state = simulation_->state();
+  if (const model::Links* links = simulation_->model().links()) links->refreshDisplay(state);
+  Points normals;
+  for (const Quaternion& q : state.orientations) normals.push_back(q * Vec3::UnitZ());
+  const model::CurvedTriangles curved =
+      model::curveTriangles(state.positions, normals, trianglesOf(simulation_->model()), options_.mesh_pieces);
+  std::vector<std::array<Index, 3>> triangles;
+  for (const model::WeightedTriangle& t : curved.triangles) triangles.push_back({t.corner[0], t.corner[1], t.corner[2]});
+  io::writeMeshFile(options_.mesh_file, curved.positions, curved.normals, triangles);
 }
 
 // A quantity that does not exist, such as the volume of an open surface, is a note.

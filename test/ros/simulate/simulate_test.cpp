@@ -49,6 +49,26 @@ TEST_F(Simulate, PrintsItsVersionWithoutAScene) {
   EXPECT_EQ(out_, std::string(version()) + "\n");
 }
 
+// Each edge of a triangle in pieces: as many triangles as their square, and as many normals as points.
+TEST_F(Simulate, WritesTheTrianglesBetweenParticlesAsCubicPatches) {
+  const auto countFirst = [](const std::string& file, const std::string& word) {
+    std::ifstream stream(file);
+    std::size_t found = 0;
+    for (std::string line; std::getline(stream, line);) found += line.rfind(word + " ", 0) == 0;
+    return found;
+  };
+  std::size_t flat = 0;
+  for (const std::string pieces : {"1", "3"}) {
+    const std::string file = path(pieces + ".obj");
+    ASSERT_EQ(run({"--set", "model=oriented_particles", "--set", "expect={}", "--mesh", file, "--mesh_pieces", pieces}), 0)
+        << err_;
+    EXPECT_EQ(countFirst(file, "v"), countFirst(file, "vn"));
+    if (pieces == "1") flat = countFirst(file, "f");
+  }
+  EXPECT_GT(flat, 0u);
+  EXPECT_EQ(countFirst(path("3.obj"), "f"), 9 * flat);
+}
+
 TEST_F(Simulate, RefusesWrongCommandLinesWithOneLineEach) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--durations"}, "--duration"},
@@ -67,6 +87,11 @@ TEST_F(Simulate, RefusesWrongCommandLinesWithOneLineEach) {
       {{"--bag_in", path("in.bag"), "--topic", "clouds=/points"}, "cloud_in, force, wrench, tools"},
       {{"--final", path("out.stl")}, ".ply"},
       {{"--final", path("missing/out.ply")}, "folder"},
+      {{"--mesh", path("out.ply")}, ".obj"},
+      {{"--mesh", path("missing/out.obj")}, "folder"},
+      {{"--mesh", path("out.obj")}, "oriented_particles"},
+      {{"--mesh_pieces", "2"}, "--mesh FILE.obj"},
+      {{"--mesh", path("out.obj"), "--mesh_pieces", "0"}, "1 to 64"},
       {{"--statistics", path("missing/out.csv")}, "folder"},
       {{"--bag_out", path("missing/out.bag")}, "folder"},
       {{"--bag_out", folder_.string()}, "no file"},
