@@ -145,6 +145,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
 std::string ContactLoad::endStep(double time, double step, const model::State& state, const std::vector<char>& held,
                                  const std::vector<model::WeightedTriangle>& triangles) {
   std::string notice;
+  gone_through_.clear();
   forgetTouches();
   for (Body& body : bodies_) {
     if (!passes(body)) continue;
@@ -163,7 +164,6 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     body.passed.swap(scratch_);
 
     // A tool that passes between the points: its origin goes through a triangle.
-    if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) continue;
     const auto isPassed = [&](Index i) {
       return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},
                                 [](const Passed& a, const Passed& b) { return a.point < b.point; });
@@ -173,6 +173,8 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       const Vec3 after[3] = {state.positions[t.corner[0]], state.positions[t.corner[1]], state.positions[t.corner[2]]};
       if (!wentThrough(moments.all[0].pose.position, moments.all[moments.count - 1].pose.position, before, after)) continue;
       if (isPassed(t.corner[0]) || isPassed(t.corner[1]) || isPassed(t.corner[2])) continue;
+      gone_through_ = body.tool.id;
+      if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) break;
       appendNotice(notice, "tool " + quote(body.tool.id) + " has gone through the surface between the points that touch tools");
       reported_.push_back(body.tool.id);
       break;

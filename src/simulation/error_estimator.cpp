@@ -264,7 +264,12 @@ std::string ErrorEstimator::followTools(const Dynamics& level, double lasting) {
   seen_.depth = std::max(lasting * seen_.depth, has_tools ? depth_->measure(level) : 0.0);
   const auto [unfelt, is_needle] =
       has_tools && !seen_.has_unfelt ? depth_->findUnfelt(level, level_spacing_) : ToolDepth::Unfelt();
-  if (!unfelt) return "";
+  if (!unfelt) {
+    const std::string& passed = level.loads().contact.goneThrough();
+    if (seen_.has_unfelt || passed.empty()) return "";
+    seen_.has_unfelt = true;
+    return "error_estimate is no bound until the next reset: tool " + quote(passed) + " has gone through the surface";
+  }
   seen_.has_unfelt = true;
   return "error_estimate is no bound until the next reset: tool " + quote(unfelt->id) +
          (is_needle ? " is narrower than one and a half spacings of the cloud, and may pass between its points or hang on one"

@@ -134,6 +134,23 @@ TEST(ErrorEstimateOfTools, IsNoBoundOnceANeedleTouchesAndSaysSo) {
   }
 }
 
+// Within a step, so that it is in the surface at no end of one; also from a snapshot, whose steps are told no more.
+TEST(ErrorEstimateOfTools, IsNoBoundOnceOneHasGoneThrough) {
+  SceneParams p = pressed(0.045, 1.0);
+  auto& path = p.tools.front().path;
+  path[0].position.z() = 0.5;
+  path[1].position.z() = -9.5;
+  Simulation s(p, sheetCloud());
+  EXPECT_TRUE(s.statistics().error_bounded);
+  const simulation::Snapshot before = s.snapshot();
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_EQ(runTold(s, 12).find("tool 'ball' is in"), std::string::npos);
+    EXPECT_FALSE(s.statistics().error_bounded);
+    s.restore(before);
+    EXPECT_TRUE(s.statistics().error_bounded);
+  }
+}
+
 TEST(ErrorEstimateOfTools, GoesOnBitForBitInForksAndFromSnapshots) {
   Simulation s(pressed(0.08, 0.5), sheetCloud());
   run(s, 8);

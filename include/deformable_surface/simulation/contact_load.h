@@ -96,6 +96,7 @@ class ContactLoad : public solve::ExternalLoad {
   const std::vector<Body>& all() const { return bodies_; }
   void restore(const std::vector<Body>& bodies) {
     bodies_ = bodies;
+    gone_through_.clear();
     forgetTouches();
   }
   /// Before a step: determines which tools act in it, which points solid tools will pass over at present velocities, which passed
@@ -114,6 +115,8 @@ class ContactLoad : public solve::ExternalLoad {
   /// After a step: adds the points that were passed over although beginStep() did not predict it. Returns a notice for the user.
   std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held,
                       const std::vector<model::WeightedTriangle>& triangles);
+  /// The id of a tool that has gone through the surface between the points in the last step; empty: none.
+  const std::string& goneThrough() const { return gone_through_; }
   /// Whether tools that appear in the surface arrive. If not, as for equilibria, they are in place at once. Default: they arrive.
   void setArriving(bool arrives) { arrives_ = arrives; }
   /// Whether a tool that acts at that time may hold a point against a force along direction (unit): it blocks the point, or
@@ -270,6 +273,7 @@ class ContactLoad : public solve::ExternalLoad {
   };
   std::vector<Deepest> deepest_;       // (m) scratch
   std::vector<std::string> reported_;  // ids of tools whose passing between points was reported
+  std::string gone_through_;
 };
 
 }  // namespace deformable_surface::simulation
