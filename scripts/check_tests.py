@@ -12,6 +12,7 @@ ROOMS = ("solve", "model", "simulation")
 # Source: the tests that cover it, and why it has none of its own.
 COVERED = {
     "solve/explicit_integrators.cpp": (["solve/integrator"], "all integrators share one test of their order and energy"),
+    "simulation/part_motion_limit.cpp": (["simulation/sleeping_parts", "contact/part_clearance"], "it acts while parts sleep"),
     "simulation/contact_areas.cpp": (["simulation/soft_pad"], "areas count where pads lie on them"),
     "solve/implicit_integrators.cpp": (["solve/integrator"], "all integrators share one test of their order and energy"),
     "model/elastic_solid/solid_passes.cpp": (["model/elastic_solid"], "the loops of the model's forces, energy and stiffness"),

@@ -30,6 +30,9 @@ class Printer : public Fields {
   }
   void onInteger(const About& about, Index& value) override { put(about, value); }
   void onFlag(const About& about, bool& value) override { put(about, value); }
+  void onFlagOrAuto(const About& about, OrAuto<bool>& value) override {
+    put(about, value.is_auto ? Value("auto") : Value(value.value));
+  }
   void onText(const About& about, std::string& value) override { put(about, value); }
   void onVector(const About& about, double* value, int size) override { put(about, Value::List(value, value + size)); }
   void onRows(const About& about, Points& value) override {

@@ -51,6 +51,9 @@ class Page : public Fields {
     addRow(about, std::to_string(value), "an integer, " + about.range.describe());
   }
   void onFlag(const About& about, bool& value) override { addRow(about, value ? "true" : "false", "`true`, `false`"); }
+  void onFlagOrAuto(const About& about, OrAuto<bool>& value) override {
+    addRow(about, value.is_auto ? "auto" : value.value ? "true" : "false", "`auto`, `true`, `false`");
+  }
   void onText(const About& about, std::string& value) override { addRow(about, "\"" + value + "\"", "text"); }
   void onVector(const About& about, double* value, int size) override {
     std::vector<std::string> numbers;

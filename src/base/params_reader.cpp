@@ -152,6 +152,19 @@ class Reader : public Fields {
     }
   }
 
+  void onFlagOrAuto(const About& about, OrAuto<bool>& value) override {
+    const std::string accepted = "auto, true or false";
+    const Value* given = get(about, accepted);
+    if (!given) return;
+    if (given->asText() && *given->asText() == "auto") {
+      value = {};
+    } else if (given->asBool()) {
+      value = *given->asBool();
+    } else {
+      refuse(about, *given, accepted);
+    }
+  }
+
   void onText(const About& about, std::string& value) override {
     const Value* given = get(about, "text");
     if (!given) return;

@@ -58,6 +58,9 @@ class Template : public Fields {
     put(about, std::to_string(value), "an integer, " + about.range.describe());
   }
   void onFlag(const About& about, bool& value) override { put(about, value ? "true" : "false", "true or false"); }
+  void onFlagOrAuto(const About& about, OrAuto<bool>& value) override {
+    put(about, value.is_auto ? "auto" : value.value ? "true" : "false", "auto, true or false");
+  }
   void onText(const About& about, std::string& value) override { put(about, asLine(Value(value)), "text"); }
   void onVector(const About& about, double* value, int size) override {
     put(about, asLine(Value::List(value, value + size)), "each " + about.range.describe());

@@ -302,15 +302,14 @@ bool Clearance::prove(const Points& positions, const Points& velocities, double 
   return proven_ != nullptr;
 }
 
-// The share of the motion that is done where the leader is at a place.
-double Clearance::shareAt(const Vec3& leader) const {
-  const Vec3& way = proven_->way[proven_->leader];
-  const double squared = way.squaredNorm();
-  return squared > 0.0 ? std::clamp((leader - proven_->from[proven_->leader]).dot(way) / squared, 0.0, 1.0) : 0.0;
+double ClearMotion::shareAt(const Vec3& of_leader) const {
+  const double squared = way[leader].squaredNorm();
+  return squared > 0.0 ? std::clamp((of_leader - from[leader]).dot(way[leader]) / squared, 0.0, 1.0) : 0.0;
 }
 
 bool Clearance::isNear(const Points& positions, double tolerance) const {
-  const Near near{proven_->from.data()->data(), proven_->way.data()->data(), shareAt(positions[proven_->leader]), tolerance};
+  const Near near{proven_->from.data()->data(), proven_->way.data()->data(), proven_->shareAt(positions[proven_->leader]),
+                  tolerance};
   return parallelMax(3 * static_cast<Index>(positions.size()), kNumberBlock, [&](Index begin, Index end) {
            return areNear(near, begin, end, positions.data()->data()) ? 0.0 : 1.0;
          }) == 0.0;
@@ -319,9 +318,9 @@ bool Clearance::isNear(const Points& positions, double tolerance) const {
 bool Clearance::staysApart(const Points& positions, const Points& velocities, double time) const {
   if (!isApart()) return false;
   const Index i = proven_->leader;
-  Near now{proven_->from.data()->data(), proven_->way.data()->data(), shareAt(positions[i]), proven_->apart_tolerance};
+  Near now{proven_->from.data()->data(), proven_->way.data()->data(), proven_->shareAt(positions[i]), proven_->apart_tolerance};
   Near later = now;
-  later.share = shareAt(positions[i] + time * velocities[i]);
+  later.share = proven_->shareAt(positions[i] + time * velocities[i]);
   return parallelMax(3 * static_cast<Index>(positions.size()), kNumberBlock, [&](Index begin, Index end) {
            return areNear(now, later, time, begin, end, positions.data()->data(), velocities.data()->data()) ? 0.0 : 1.0;
          }) == 0.0;

@@ -64,40 +64,62 @@ bool findLoops(const std::vector<Triangle>& triangles, std::vector<Loop>& loops)
   return true;
 }
 
-// Whether some edge runs towards the middle of the loop, or back. direction: from which the loop runs anticlockwise.
-bool recedes(const Loop& loop, const Points& rest, const Vec3& direction, double least) {
-  const Vec3 middle = middleOf(loop, rest);
-  for (std::size_t k = 0; k < loop.size(); ++k) {
-    const Vec3 p = rest[loop[k]] - middle, q = rest[loop[(k + 1) % loop.size()]] - middle;
-    if (!(direction.dot(p.cross(q)) >= least * std::max(p.norm(), q.norm()))) return true;
-  }
-  return false;
+// Of the triangle of an edge with the middle: its altitude on the longer of its sides, m; negative where the loop runs back.
+// direction: from which the loop runs anticlockwise.
+double altitudeAt(const Loop& loop, std::size_t k, const Vec3& middle, const Points& rest, const Vec3& direction) {
+  const Vec3 p = rest[loop[k]] - middle, q = rest[loop[(k + 1) % loop.size()]] - middle;
+  return direction.dot(p.cross(q)) / std::max(p.norm(), q.norm());
 }
 
-// Cuts off the best triangle between three points in a row outside of the surface. Returns whether there is one.
-bool fillOne(Loop& loop, const Points& rest, const Vec3& direction, std::vector<Triangle>& triangles) {
+// The best triangle between three points in a row outside of the surface: its altitude is the highest, of those at a point
+// that may be cut off.
+struct Ear {
+  std::size_t at = 0;
+  double altitude = 0.0;  // m; zero: there is none
+};
+
+Ear findEar(const Loop& loop, const Points& rest, const Vec3& direction, const std::vector<char>& may_be_cut) {
   const auto areaBetween = [&](Index a, Index b, Index c) { return direction.dot((rest[b] - rest[a]).cross(rest[c] - rest[a])); };
   const std::size_t n = loop.size();
-  std::size_t best = n;
-  double highest = 0.0;
+  Ear best;
   for (std::size_t k = 0; k < n; ++k) {
+    if (!may_be_cut[k]) continue;
     const Index before = loop[(k + n - 1) % n], at = loop[k], after = loop[(k + 1) % n];
     const double longest =
         std::max({(rest[before] - rest[at]).norm(), (rest[after] - rest[at]).norm(), (rest[after] - rest[before]).norm()});
     const double altitude = areaBetween(at, before, after) / longest;
-    if (!(altitude > highest)) continue;
+    if (!(altitude > best.altitude)) continue;
     const bool is_free = std::none_of(loop.begin(), loop.end(), [&](Index i) {
       return i != before && i != at && i != after && areaBetween(at, before, i) >= 0.0 && areaBetween(before, after, i) >= 0.0 &&
              areaBetween(after, at, i) >= 0.0;
     });
-    if (!is_free) continue;
-    highest = altitude;
-    best = k;
+    if (is_free) best = {k, altitude};
   }
-  if (best == n) return false;
-  triangles.push_back({loop[best], loop[(best + n - 1) % n], loop[(best + 1) % n]});
-  loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(best));
-  return true;
+  return best;
+}
+
+void cutOff(const Ear& ear, Loop& loop, std::vector<Triangle>& triangles) {
+  const std::size_t n = loop.size(), k = ear.at;
+  triangles.push_back({loop[k], loop[(k + n - 1) % n], loop[(k + 1) % n]});
+  loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(k));
+}
+
+// Fills the loop up where it runs towards its middle or back, as long as the triangles that fill it are higher than those of its
+// edges with its middle.
+void straighten(Loop& loop, const Points& rest, const Vec3& direction, double least, std::vector<Triangle>& triangles) {
+  while (loop.size() > 3 && loop.size() < kLongLoop) {
+    const Vec3 middle = middleOf(loop, rest);
+    double lowest = least;
+    std::vector<char> may_be_cut(loop.size(), 0);
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const double altitude = altitudeAt(loop, k, middle, rest, direction);
+      if (altitude < least) may_be_cut[k] = may_be_cut[(k + 1) % loop.size()] = 1;
+      lowest = std::min(lowest, altitude);
+    }
+    const Ear ear = findEar(loop, rest, direction, may_be_cut);
+    if (!(lowest < least) || !(ear.altitude > lowest) || ear.altitude == 0.0) return;
+    cutOff(ear, loop, triangles);
+  }
 }
 
 // The connected parts, each known by its first point.
@@ -172,8 +194,11 @@ std::vector<Index> placeLonePoints(const Points& rest, const std::vector<Loop>& 
 // Fills a small hole without a point in it. Returns whether nothing of it is left.
 bool fillHole(Loop& loop, const Points& rest, const Vec3& direction, std::vector<Triangle>& triangles) {
   if (loop.size() > kSmallHole) return false;
-  while (loop.size() > 3 && fillOne(loop, rest, direction, triangles)) {}
-  if (loop.size() > 3) return false;
+  while (loop.size() > 3) {
+    const Ear ear = findEar(loop, rest, direction, std::vector<char>(loop.size(), 1));
+    if (ear.altitude == 0.0) return false;
+    cutOff(ear, loop, triangles);
+  }
   triangles.push_back({loop[0], loop[2], loop[1]});
   return true;
 }
@@ -219,9 +244,7 @@ Outlines findOutlines(const Points& rest, const std::vector<Triangle>& triangles
       Loop loop = loops[l];
       const bool is_hole = l != rim->second.around;
       if (is_hole && middle[l] < 0 && fillHole(loop, rest, direction, made.triangles)) continue;
-      while (middle[l] < 0 && loop.size() > 3 && loop.size() < kLongLoop &&
-             recedes(loop, rest, is_hole ? Vec3(-direction) : direction, kLow * edge) &&
-             fillOne(loop, rest, direction, made.triangles)) {}
+      if (middle[l] < 0) straighten(loop, rest, is_hole ? Vec3(-direction) : direction, kLow * edge, made.triangles);
       addLoop(loop, middle[l], is_hole);
     }
   }

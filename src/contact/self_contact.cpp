@@ -63,6 +63,16 @@ void SelfContact::forgetMotion() {
   was_uncrossed_ = false;
 }
 
+bool SelfContact::foresee(const Points& positions, const Points& velocities, double time) {
+  return clearance_.prove(positions, velocities, kStepsAhead * time);
+}
+
+bool SelfContact::liesOpen(const Points& rest) {
+  const bool is_proven = clearance_.prove(rest, Points(rest.size(), Vec3::Zero()), 1.0) && clearance_.isApart();
+  clearance_.forget();
+  return is_proven;
+}
+
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
   failures_ = pause_ = 0;
   was_uncrossed_ = false;

@@ -56,6 +56,11 @@ void ActivePart::setLoads(const LoadSet& loads) {
   march_.loadsChanged();
 }
 
+void ActivePart::limitMotion(contact::SelfContact& contact) {
+  limit_ = std::make_unique<PartMotionLimit>(contact, points_, static_cast<Index>(moving_.size()));
+  system_.setMotionLimit(limit_.get());
+}
+
 solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, const std::vector<char>& held,
                                            const std::vector<char>& held_turns) {
   for (std::size_t k = 0; k < points_.size(); ++k) {

@@ -4,6 +4,7 @@
 
 #include "deformable_surface/solve/time_march.h"
 #include "load_set.h"
+#include "part_motion_limit.h"
 
 #include <memory>
 
@@ -21,6 +22,13 @@ class ActivePart {
   /// The loads or tools of the surface have changed.
   void setLoads(const LoadSet& loads);
 
+  /// Parts of the surface must not cross. contact: of the surface, kept by reference.
+  void limitMotion(contact::SelfContact& contact);
+  /// Before a step of a time (s) from a state of the surface: whether it can be told of the moving points alone that nothing will
+  /// cross. True without limitMotion().
+  bool foresee(const State& state, double time) { return !limit_ || limit_->foresee(state, time); }
+  /// Whether this could no longer be told in the last step, which is then void.
+  bool hasLeftForesight() const { return limit_ && limit_->hasLeft(); }
   /// Advances a copy of the moving points by a step from the surface's state; held, held_turns (n): of the surface.
   solve::TimeMarch::Outcome step(double time, const State& state, const std::vector<char>& held,
                                  const std::vector<char>& held_turns);
@@ -66,6 +74,7 @@ class ActivePart {
   std::vector<char> held_, held_turns_, fixed_;  // fixed: held by the surface itself
   solve::System system_;
   solve::TimeMarch march_;
+  std::unique_ptr<PartMotionLimit> limit_;  // null: none
   State state_;
   Points forces_on_all_, torques_on_all_;  // scratch
 };

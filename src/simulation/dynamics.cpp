@@ -40,24 +40,31 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
       activity_(params.sleep, rest_->points, findSpacing(*rest_), params.integrator.time_step, *model_, canBeInParts()) {
   chosen_.made = params.material;
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
-  if (params.contact.self) {
-    contact::SelfContactParams meeting;
-    meeting.thickness = findContactThickness(params, *rest_);
-    meeting.friction = params.contact.friction;
-    meeting.kinetic_friction = params.contact.kinetic_friction.valueOr(params.contact.friction);
-    meeting.hardens =
-        params.integrator.type == solve::IntegratorType::kImplicit || params.integrator.type == solve::IntegratorType::kStatic;
-    meeting.takes_lone_points = kind_.traits().is_surface;
-    meeting.compliance = params.contact.compliance;
-    if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params, *rest_, *model_).of_points;
-    if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
-    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), meeting);
-    system_.setMotionLimit(&loads_.self_contact->limit);
-  }
+  makeSelfContact(std::move(made));
   if (params.contact.compliance > 0.0)
     loads_.contact.setCompliance(params.contact.compliance, findContactAreas(params, *rest_, *model_));
   loads_.forces.setDropped(rest_->across);
   num_links_ = model_->links() ? static_cast<Index>(model_->links()->stretchLinks().size()) : 0;
+}
+// `auto` is decided here, once: forks do as what they are forked from.
+void Dynamics::makeSelfContact(Made made) {
+  const OrAuto<bool> wanted = params_.contact.self;
+  const ModelTraits traits = kind_.traits();
+  const bool may_be_auto = traits.meets_itself && traits.is_surface && rest_->across.isZero(0.0);
+  if (!wanted.valueOr(may_be_auto) || (made.is_fork && !made.meeting)) return;
+  contact::SelfContactParams meeting;
+  meeting.thickness = findContactThickness(params_, *rest_);
+  meeting.friction = params_.contact.friction;
+  meeting.kinetic_friction = params_.contact.kinetic_friction.valueOr(params_.contact.friction);
+  meeting.hardens =
+      params_.integrator.type == solve::IntegratorType::kImplicit || params_.integrator.type == solve::IntegratorType::kStatic;
+  meeting.takes_lone_points = traits.is_surface;
+  meeting.compliance = params_.contact.compliance;
+  if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params_, *rest_, *model_).of_points;
+  if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
+  loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), meeting);
+  if (wanted.is_auto && !made.is_fork && !loads_.self_contact->contact.liesOpen(rest_->points)) loads_.self_contact.reset();
+  if (loads_.self_contact) system_.setMotionLimit(&loads_.self_contact->limit);
 }
 
 Dynamics::Dynamics(const SceneParams& params, RestSurface rest) : Dynamics(params, take(std::move(rest))) {

@@ -147,12 +147,14 @@ class Dynamics {
   struct Made {
     std::shared_ptr<const RestSurface> rest;
     std::unique_ptr<model::DeformableModel> model;
-    std::shared_ptr<const ContactSkin> meeting;  // null: that of the model, which is not cut
+    std::shared_ptr<const ContactSkin> meeting;  // null: that of the model, which is not cut; of a fork: it has no contact
+    bool is_fork = false;
   };
   static Made take(RestSurface&& rest);
   Dynamics(const SceneParams& params, Made made);
 
   // How it is made and set.
+  void makeSelfContact(Made made);
   std::vector<AnchorLoad::Anchor> makeAnchors() const;
   void placePins();
   void placeAnchors();

@@ -90,7 +90,7 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
 
 std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
   std::unique_ptr<Dynamics> fork(
-      new Dynamics(params_, Made{rest_, model_->clone(), loads_.self_contact ? loads_.self_contact->skin() : nullptr}));
+      new Dynamics(params_, Made{rest_, model_->clone(), loads_.self_contact ? loads_.self_contact->skin() : nullptr, true}));
   fork->chosen_ = chosen_;
   fork->shares_ = shares_;
   fork->growth_notice_ = growth_notice_;

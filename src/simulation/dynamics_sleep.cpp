@@ -9,9 +9,9 @@ namespace deformable_surface::simulation {
 
 using solve::IntegratorType;
 
-// An equilibrium couples everything, and sleeping parts would not notice others that come to lie on them.
+// An equilibrium couples everything.
 bool Dynamics::canBeInParts() const {
-  return params_.integrator.type != IntegratorType::kStatic && !params_.contact.self && evolution_->maySleepInParts();
+  return params_.integrator.type != IntegratorType::kStatic && evolution_->maySleepInParts();
 }
 
 bool Dynamics::maySleep() const {
@@ -37,10 +37,13 @@ void Dynamics::followLoads() {
   follow(changes);
 }
 
-// An attraction of all points, a grip that releases at a force, and an inner pressure need all points.
+// An attraction of all points, a grip that releases at a force, and an inner pressure need all points. So does contact of the
+// surface with itself: sleeping parts would not notice others that come to lie on them.
 void Dynamics::setParts() {
+  const SelfContactLoads* const self = loads_.self_contact.get();
+  const bool may_meet = self && (self->mayAct() || !self->contact.proven());
   const bool is_blown = params_.pressure != 0.0 && isClosed(*model_);
-  const bool only_wholly = is_blown || std::any_of(tools_.begin(), tools_.end(), [](const tool::ToolParams& tool) {
+  const bool only_wholly = may_meet || is_blown || std::any_of(tools_.begin(), tools_.end(), [](const tool::ToolParams& tool) {
                              return tool.mode == tool::Mode::kAttract || (tool.mode == tool::Mode::kMove && tool.strength > 0.0);
                            });
   activity_.setOnlyWholly(only_wholly);
@@ -61,6 +64,7 @@ void Dynamics::makePart() {
   part_->march().setMemory(part_march_);
   part_->march().setFineness(fineness_);
   part_->march().setInterrupt(interrupt_);
+  if (loads_.self_contact) part_->limitMotion(loads_.self_contact->contact);
 }
 
 NamedForces::Update Dynamics::wakeForStep(double now, double dt) {
@@ -104,9 +108,10 @@ solve::TimeMarch::Outcome Dynamics::advance(double now) {
       is_new = true;
     }
     part_march_ = part_->march().memory();
+    if (!part_->foresee(now_.points, params_.integrator.time_step)) break;
     solve::TimeMarch::Outcome taken = part_->step(now, now_.points, held_, held_turns_);
     if (!taken.ok && interrupt_ && *interrupt_) return taken;
-    if (!taken.ok) break;
+    if (!taken.ok || part_->hasLeftForesight()) break;
     if (!now_.followed.empty() && part_->hasMoved(now_.followed, model_->partition()->maxPartMotion())) {
       if (is_new) break;  // too far in one step
       part_.reset();

@@ -169,7 +169,9 @@ void Dynamics::beginSelfContact(double dt, std::string& notice) {
                        " % of the surface's area has no contact with itself, because triangles overlap there at rest: "
                        "layers nearer than some spacings, or a very uneven cloud; parts can pass through each other there");
   }
-  if (!loads_.self_contact->beginStep(now_.points, dt, untangles())) return;
+  const bool has_changed = loads_.self_contact->beginStep(now_.points, dt, untangles());
+  setParts();
+  if (!has_changed) return;
   if (!loads_.self_contact->mayAct()) now_.points.self_friction.clear();
   followLoads();
 }

@@ -66,6 +66,7 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   coarse.accuracy = AccuracyParams{};
   coarse.accuracy.estimate = false;
   coarse.output.resample = false;
+  coarse.contact.self = dynamics.loads().self_contact != nullptr;
   CoarserLevel copies = dynamics.kind().makeCopies(coarse, level);
   const RestSurface& surface = copies.surface;
   common_ = std::move(copies.common);

@@ -52,9 +52,9 @@ void requireModel(Fields& fields, const SceneParams& p) {
                      listModels(&ModelTraits::is_tuned) + " with simplification.method: delaunay");
   fields.require(traits.has_springs || !(p.material.spring_damping > 0.0), "material.spring_damping",
                  "found " + formatReal(p.material.spring_damping) + " with a model that has no springs; accepted: 0");
-  fields.require(traits.meets_itself || !p.contact.self, "contact.self",
+  fields.require(traits.meets_itself || !p.contact.self.valueOr(false), "contact.self",
                  "found true with " + p.model +
-                     ", whose parts do not meet; accepted: false, or model: " + listModels(&ModelTraits::meets_itself));
+                     ", whose parts do not meet; accepted: auto, false, or model: " + listModels(&ModelTraits::meets_itself));
   fields.require(
       !p.contact.untangle || p.integrator.type != solve::IntegratorType::kStatic, "contact.untangle",
       "found true with integrator.type: static, which has no time to push parts apart; accepted: false, or another type");

@@ -24,7 +24,6 @@ constexpr double kThickContact = 1.5;  // spacings: at two a run took four times
 
 // Refuses lengths in millimetres for metres, for example. Warns of a thickness that makes steps slow.
 void checkContactThickness(const SceneParams& params, const RestSurface& surface, std::vector<std::string>& warnings) {
-  if (!params.contact.self) return;
   const Points& rest = surface.points;
   const double thickness = findContactThickness(params, surface);
   Eigen::AlignedBox3d box;
@@ -54,13 +53,18 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   const std::vector<std::string>& built = dynamics().rest().notes;
   notes.insert(notes.end(), built.begin(), built.end());
   warnings = dynamics().rest().warnings;
-  checkContactThickness(params, dynamics().rest(), warnings);
+  if (dynamics().loads().self_contact) checkContactThickness(params, dynamics().rest(), warnings);
   dynamics().setCutFollower(&surface);
   if (!dynamics().growthNotice().empty()) notes.push_back(dynamics().growthNotice());
   if (!dynamics().growthWarning().empty()) warnings.push_back(dynamics().growthWarning());
   if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
     dynamics().chooseIntegrator(choice.integrator);
   const ModelKind& kind = dynamics().kind();
+  if (params.contact.self.is_auto && kind.traits().meets_itself && !dynamics().loads().self_contact)
+    notes.push_back(
+        "contact.self: auto is off, and parts can pass through each other: the surface does not lie open at rest, so that "
+        "looking "
+        "for contact would cost more than some per cent of a step; true switches it on");
   const std::string refused = kind.refuseEstimate(params);
   if (params.accuracy.estimate && !refused.empty())
     notes.push_back(std::string("no error estimate: model ") + kind.name() + " " + refused);

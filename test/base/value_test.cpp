@@ -23,6 +23,7 @@ struct OuterParams {
   Index count = 3;
   bool flag = true;
   OrAuto<double> width;
+  OrAuto<bool> sign;
   InnerParams inner;
   std::vector<InnerParams> items;
 };
@@ -32,6 +33,7 @@ void visit(Fields& fields, OuterParams& p) {
   fields.integer("count", p.count, "", between(1, 5), "a count");
   fields.flag("flag", p.flag, "a flag");
   fields.number("width", p.width, "m", between(0.0, 1.0), "a width");
+  fields.flag("sign", p.sign, "a sign");
   fields.section("inner", p.inner, "A section.");
   fields.list("items", p.items, "Items.");
   fields.require(p.count != 4, "count", "found 4; accepted: others");
@@ -129,6 +131,19 @@ TEST(ReadParams, TakesNumbersAsTextAndWholeRealsAsIntegers) {
   EXPECT_TRUE(readParams(value, params).empty());
   EXPECT_EQ(params.count, 2);
   EXPECT_EQ(params.inner.weight, 2.5);
+}
+
+TEST(ReadParams, TakesAFlagOrAuto) {
+  OuterParams params;
+  EXPECT_TRUE(readParams(makeMap("sign", false), params).empty());
+  EXPECT_FALSE(params.sign.valueOr(true));
+  EXPECT_EQ(*printParams(params).find("sign")->asBool(), false);
+  EXPECT_TRUE(readParams(makeMap("sign", "auto"), params).empty());
+  EXPECT_TRUE(params.sign.is_auto);
+  EXPECT_EQ(*printParams(params).find("sign")->asText(), "auto");
+  const std::vector<std::string> problems = problemsOf(makeMap("sign", "on"));
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0], "sign: found the text 'on'; accepted: auto, true or false");
 }
 
 TEST(ReadParams, NamesEveryProblemAtOnce) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 namespace deformable_surface::contact {
@@ -118,6 +119,22 @@ TEST(Outlines, FillUpWhatRecedes) {
   EXPECT_LE(areaOf(outlines, points), 63.0);
   for (const Triangle& t : outlines.triangles)
     EXPECT_GT((points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).z(), 0.1);
+}
+
+// Seen from the middle, the long sides of a strip recede at its ends. Thin triangles between uneven points there would limit the
+// proof more than that does.
+TEST(Outlines, DoNotFillUpAnUnevenSideWithThinTriangles) {
+  Mesh mesh = makeGrid(24, 3, [](Index, Index) { return true; });
+  for (std::size_t k = 0; k < mesh.points.size(); ++k)
+    mesh.points[k] += Vec3(0.05 * std::sin(12.9 * static_cast<double>(k)), 0.05 * std::sin(78.2 * static_cast<double>(k)), 0.0);
+  const Outlines outlines = findOutlines(mesh.points, mesh.triangles);
+  ASSERT_EQ(numLoops(outlines), 1);
+  EXPECT_GT(sizeOf(outlines, 0), 40);  // of 54
+  for (std::size_t t = mesh.triangles.size(); t < outlines.triangles.size(); ++t) {
+    const Vec3 &a = mesh.points[outlines.triangles[t][0]], &b = mesh.points[outlines.triangles[t][1]],
+               &c = mesh.points[outlines.triangles[t][2]];
+    EXPECT_GT((b - a).cross(c - a).z() / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}), 0.05) << t;
+  }
 }
 
 TEST(Outlines, CloseLoopsWhereTheyMeet) {

@@ -46,6 +46,9 @@ class ChangeOne : public Fields {
   void onFlag(const About& about, bool& value) override {
     if (isNext(about)) value = !value;
   }
+  void onFlagOrAuto(const About& about, OrAuto<bool>& value) override {
+    if (isNext(about)) value = !value.valueOr(false);
+  }
   void onText(const About& about, std::string& value) override {
     if (isNext(about)) value += "x";
   }

@@ -58,6 +58,58 @@ TEST(SelfContactLoad, AFoldedTowelDoesNotCrossItself) {
   EXPECT_GT(simulate(scene).crossed, 10);
 }
 
+// By default there is contact where it costs little: on surfaces that lie open.
+TEST(SelfContactLoad, IsOnByDefaultWhereTheSurfaceLiesOpen) {
+  const auto isOn = [](const simulation::SceneParams& params, const cloud::PointCloud& cloud) {
+    Simulation s(params, cloud);
+    const std::vector<std::string>& notes = s.buildNotes();
+    const bool is_told = std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+      return note.find("contact.self: auto is off") != std::string::npos;
+    });
+    Simulation fork = s.fork();
+    run(s, 1);
+    run(fork, 1);
+    EXPECT_EQ(fork.statistics().skipped, s.statistics().skipped);
+    const std::vector<std::string> skipped = s.statistics().skipped;
+    const bool is_on = std::count(skipped.begin(), skipped.end(), "self_contact") > 0;
+    EXPECT_EQ(is_told, params.contact.self.is_auto && !is_on);
+    return is_on;
+  };
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.accuracy.estimate = false;
+  EXPECT_TRUE(isOn(p, sheetCloud()));
+  cloud::PointCloud with_hole = sheetCloud(), bowl = sheetCloud(), tube = sheetCloud();
+  Points& around = with_hole.positions;
+  around.erase(
+      std::remove_if(around.begin(), around.end(), [](const Vec3& x) { return (x - Vec3(0.5, 0.5, x.z())).norm() < 0.2; }),
+      around.end());
+  with_hole.width = static_cast<std::uint32_t>(around.size());
+  EXPECT_TRUE(isOn(p, with_hole));
+  for (Vec3& x : bowl.positions) x.z() = (x - Vec3(0.5, 0.5, x.z())).squaredNorm();
+  EXPECT_TRUE(isOn(p, bowl));
+  for (Vec3& x : tube.positions) x = Vec3(0.16 * std::cos(6.08 * x.x()), x.y(), 0.16 * std::sin(6.08 * x.x()));
+  EXPECT_FALSE(isOn(p, tube));
+  p.contact.self = false;
+  EXPECT_FALSE(isOn(p, sheetCloud()));
+  p.contact.self = true;
+  EXPECT_TRUE(isOn(p, tube));
+  // Values that may change in a run are given with all others as they were stated.
+  p.contact.self = {};
+  Simulation s(p, sheetCloud());
+  p.material.damping = 3.0;
+  s.setParams(p);
+  EXPECT_EQ(s.params().material.damping, 3.0);
+}
+
+TEST(SelfContactLoad, ATowelThatIsFoldedDoesNotCrossItselfByDefault) {
+  ContactScene scene = makeScene("fold", 2, 1.0);
+  scene.params.contact.self = {};
+  const Outcome seen = simulate(scene);
+  EXPECT_EQ(seen.crossed, 0);
+  EXPECT_GT(seen.touched, 10);
+}
+
 // Layers a third of a spacing apart are bridged by the model; contact cannot use the triangles that overlap.
 TEST(SelfContactLoad, WhatHasNoContactIsTold) {
   const auto firstNotice = [](int num_layers, double gap) {
@@ -304,7 +356,6 @@ TEST(SelfContactLoad, WhereNothingComesNearTheBitsAreThoseWithoutContact) {
   for (const double tilt : {0.0, 0.7}) {
     simulation::SceneParams p = hangingSheet();
     p.gravity = Vec3(0.0, 9.81 * std::sin(tilt), -9.81 * std::cos(tilt));
-    p.sleep.mode = simulation::Sleep::kNever;  // with contact, surfaces do not sleep in parts
     std::uint64_t hash = 0;
     for (const bool meets_itself : {false, true}) {
       p.contact.self = meets_itself;

@@ -1,5 +1,6 @@
 // Inside one sheet the region around a poke is awake and the rest sleeps: with the loss of accuracy, for every number of threads,
 // and through snapshots.
+#include "../../src/simulation/self_contact_load.h"
 #include "sleeping.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "../support/crossings.h"
 
 namespace deformable_surface::test {
 namespace {
@@ -143,6 +146,38 @@ TEST(SleepingParts, TheSurfaceIsMadeAnewWhereThePokeIsAloneAndIsTheSameToTheBit)
     run(s, 2);
     s.surface(true);
     EXPECT_FALSE(restsInTiles());
+  }
+}
+
+// A patch flies down to a sheet that sleeps. Contact of the surface with itself must not be lost with the parts that sleep.
+TEST(SleepingParts, WhatSleepsIsWokenByWhatComesToTouchIt) {
+  SceneParams p = pokedSheet();
+  p.forces = {{"push", Vec3(0.51, 0.513, 0.2), Vec3(0.0, 0.0, -1.2), 0.18, 0.01, 0.05}};
+  p.material.thickness = 0.002;
+  p.material.damping = 1.0;
+  cloud::PointCloud cloud = finePatch();
+  for (const Vec3& x : makeSheet(9, 9, 0.2, 0.2, 0.2).points) cloud.positions.push_back(x + Vec3(0.41, 0.413, 0.1));
+  cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
+  for (const bool is_on : {true, false}) {
+    p.contact.self = is_on;
+    Simulation s(p, cloud);
+    const std::vector<contact::Triangle> triangles =
+        simulation::chooseContactTriangles(s.state().positions, trianglesOf(s.model()));
+    int in_parts = 0, crossed = 0;
+    bool has_touched = false, sleeps_too_long = false;
+    for (int k = 0; k < 150; ++k) {
+      run(s, 1);
+      if (k % 5 == 0) crossed += !findCrossings(s.state().positions, triangles).empty();
+      if (!is_on) continue;
+      has_touched = has_touched || s.statistics().self_contacts > 0;
+      if (!has_touched) in_parts += isPartlyAwake(s);
+      sleeps_too_long = sleeps_too_long || (s.statistics().self_contacts > 0 && isPartlyAwake(s));
+    }
+    EXPECT_EQ(crossed > 0, !is_on);
+    if (!is_on) continue;
+    EXPECT_GT(in_parts, 20);
+    EXPECT_TRUE(has_touched);
+    EXPECT_FALSE(sleeps_too_long);
   }
 }
 

@@ -64,6 +64,7 @@ class Fields {
     onInteger(take(name, meaning, unit, range), value);
   }
   void flag(const char* name, bool& value, const char* meaning) { onFlag(take(name, meaning), value); }
+  void flag(const char* name, OrAuto<bool>& value, const char* meaning) { onFlagOrAuto(take(name, meaning), value); }
   void text(const char* name, std::string& value, const char* meaning) { onText(take(name, meaning), value); }
   void vector(const char* name, Vec2& value, const char* unit, const Range& range, const char* meaning) {
     onVector(take(name, meaning, unit, range), value.data(), 2);
@@ -135,6 +136,7 @@ class Fields {
   virtual void onNumberOrAuto(const About& about, OrAuto<double>& value) = 0;
   virtual void onInteger(const About& about, Index& value) = 0;
   virtual void onFlag(const About& about, bool& value) = 0;
+  virtual void onFlagOrAuto(const About& about, OrAuto<bool>& value) = 0;
   virtual void onText(const About& about, std::string& value) = 0;
   virtual void onVector(const About& about, double* value, int size) = 0;
   virtual void onRows(const About& about, Points& value) = 0;

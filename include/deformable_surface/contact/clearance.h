@@ -15,6 +15,8 @@ struct ClearMotion {
   Index leader = 0;                                 // the point that moves farthest: shows how much of the motion is done
   double tolerance = -1.0, apart_tolerance = -1.0;  // m, until something may cross, or be near; negative: not proven
 
+  /// The share of the motion that is done where the leader is at a place.
+  double shareAt(const Vec3& of_leader) const;
   std::size_t bytes() const { return sizeof(ClearMotion) + (from.size() + way.size()) * sizeof(Vec3); }
 };
 
@@ -71,7 +73,6 @@ class Clearance {
   Room checkLoop(const Outlines::Loop& loop, Index end) const;
   Room checkParts(const Points& positions, const Points& motion);
   Room roomOf(double twice_area, double length, double arms) const;
-  double shareAt(const Vec3& leader) const;
   bool isNear(const Points& positions, double tolerance) const;
   std::shared_ptr<ClearMotion> takeSpare();
 

@@ -56,6 +56,11 @@ class SelfContact {
   /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
   /// changing at its present rate. Checks only pairs that are nearer than 1.5 thicknesses plus four times PairList::usualReach().
   bool mayTouch(const Points& positions, const Points& velocities, double time);
+  /// Tries to prove that nothing comes near while the points keep their velocities for some steps of a time, s (or any other unit
+  /// of time). See Clearance.
+  bool foresee(const Points& positions, const Points& velocities, double time);
+  /// Whether the surface at rest lies open: seen from one side, nothing is over or near anything.
+  bool liesOpen(const Points& rest);
   /// What is known of the present motion, for snapshots. See Clearance.
   std::shared_ptr<const ClearMotion> proven() const { return clearance_.proven(); }
   void setProven(std::shared_ptr<const ClearMotion> proven) { clearance_.setProven(std::move(proven)); }

@@ -8,7 +8,7 @@ namespace deformable_surface::simulation {
 
 struct ContactParams {
   Index cloud_points = 8;           // 0 .. 64: per cell, beside its simulation point, that touch tools
-  bool self = false;                // parts of the surface do not pass through each other
+  OrAuto<bool> self;                // parts of the surface do not pass through each other; auto = where that costs little
   bool untangle = false;            // parts that pass through each other when a state begins are pushed apart
   double compliance = 0.0;          // m/Pa, >= 0: depth of contact per pressure; 0 = that of the penalty
   OrAuto<double> thickness;         // m, > 0; auto = that of the material; of solids a fifth of the spacing
@@ -20,11 +20,13 @@ inline void visit(Fields& fields, ContactParams& p) {
   fields.integer("cloud_points", p.cloud_points, "", between(0, 64),
                  "points of the cloud around each simulation point that touch solid tools as well (mass_spring); 0 = simulation "
                  "points alone");
-  fields.flag("self", p.self, "parts of a mass-spring surface, or of an elastic solid in space, do not pass through each other");
+  fields.flag("self", p.self,
+              "parts of a mass-spring surface, or of an elastic solid in space, do not pass through each other; `auto` = on for "
+              "surfaces that lie open at rest: seen from one side, no part is over another");
   fields.flag(
       "untangle", p.untangle,
       "parts that pass through each other at the beginning, or in a state that is set or restored, are pushed apart; with "
-      "`self`");
+      "`self: true`");
   fields.number("compliance", p.compliance, "m/Pa", between(0.0, 1.0),
                 "of soft pads between the surface and tools, and between its own parts: depth of contact over pressure; 0 = no "
                 "pads");
@@ -34,7 +36,7 @@ inline void visit(Fields& fields, ContactParams& p) {
   fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb coefficient between parts of the surface");
   fields.number("kinetic_friction", p.kinetic_friction, "", between(0.0, 1e3),
                 "Coulomb coefficient between parts that slide over each other, at most `friction`; `auto` = friction");
-  fields.require(p.self || !p.untangle, "untangle", "found true without self; accepted: true with self");
+  fields.require(p.self.valueOr(false) || !p.untangle, "untangle", "found true without self: true; accepted: true with it");
   fields.require(p.kinetic_friction.valueOr(p.friction) <= p.friction, "kinetic_friction",
                  "found " + formatReal(p.kinetic_friction.valueOr(0.0)) + ", more than friction, " + formatReal(p.friction) +
                      "; accepted: at most friction");

@@ -46,6 +46,7 @@ class Finder : public Fields {
   void onNumberOrAuto(const About&, OrAuto<double>&) override {}
   void onInteger(const About&, Index&) override {}
   void onFlag(const About& about, bool&) override { add(about, true, 0); }
+  void onFlagOrAuto(const About&, OrAuto<bool>&) override {}
   void onText(const About&, std::string&) override {}
   void onVector(const About& about, double*, int size) override { add(about, false, size); }
   void onRows(const About&, Points&) override {}
