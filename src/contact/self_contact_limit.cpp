@@ -15,6 +15,7 @@ constexpr double kAhead = 8.0;       // calls of limit() for which the motion of
 constexpr Index kMostFailures = 4;   // after each, proofs are tried half as often
 constexpr int kCollisions = 8;       // passes
 constexpr double kRounding = 1e-15;  // m
+constexpr double kOutrun = 32.0;     // of the usual reach, ten edges or so: beyond it collisions are not worth it
 
 }  // namespace
 
@@ -144,6 +145,23 @@ void SelfContact::stopTogether() {
   }
 }
 
+// With the total momentum, or not at all if a point stays. Collisions would throw points so far that they strain the surface with
+// more energy than the forces have put in.
+void SelfContact::moveAsOne(const Points& before, bool does_one_stay, Points& after) {
+  Vec3 motion = Vec3::Zero();
+  double mass = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    motion += masses_[i] * (after[i] - before[i]);
+    mass += masses_[i];
+  }
+  motion *= does_one_stay ? 0.0 : 1.0 / mass;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (after[i] == before[i] + motion) continue;
+    after[i] = before[i] + motion;
+    cut_.push_back(static_cast<Index>(i));
+  }
+}
+
 bool SelfContact::mustStop(const Points& before, const Points& after, bool continues) {
   const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
   if (staysUncrossed(before, after, continues) || list_.areFar(before, after, reach)) return false;
@@ -186,6 +204,10 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
   for (Index i = 0; i < n; ++i) {
     ways_[i] = after[i] - before[i] - shared;
     farthest = std::max(farthest, ways_[i].squaredNorm());
+  }
+  if (!(std::sqrt(farthest) <= kOutrun * list_.usualReach())) {
+    moveAsOne(before, does_one_stay, after);
+    return cut_;
   }
   // Pairs that are farther apart cannot use up their room.
   const double reach = kLeast * list_.thickness() + 2.0 / kOfRoom * std::sqrt(farthest);

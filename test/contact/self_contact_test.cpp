@@ -324,6 +324,27 @@ TEST(SelfContact, CollisionsKeepMomentum) {
   EXPECT_LT((after_sum - before_sum).norm(), 1e-9 * before_sum.norm());
 }
 
+// A point that a blow throws through the other sheet, many edges far, does not drag its neighbours along.
+TEST(SelfContact, WhatOutrunsTheOthersMovesOnWithThemAsOne) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0016, 0.0);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
+  for (const bool does_one_stay : {false, true}) {
+    Points after = sheets.points;
+    for (std::size_t i = does_one_stay ? 1 : 0; i < after.size(); ++i) after[i] += Vec3(1e-5, 0.0, 0.0);
+    after[37].z() -= 10.0;
+    Vec3 momentum = Vec3::Zero(), motion = Vec3::Zero();
+    double mass = 0.0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      momentum += massOf(i) * (after[i] - sheets.points[i]);
+      mass += massOf(i);
+    }
+    if (!does_one_stay) motion = momentum / mass;
+    EXPECT_GT(contact.limit(sheets.points, after).size(), 48u);
+    for (std::size_t i = 0; i < after.size(); ++i)
+      EXPECT_LT((after[i] - sheets.points[i] - motion).norm(), 1e-12 + 1e-12 * motion.norm()) << i;
+  }
+}
+
 TEST(SelfContact, LimitsOnlyWhatComesNearer) {
   const test::Sheets sheets = test::makeSheets(2, 5, 0.0012, 0.0);
   SelfContact contact = makeContact(sheets, spread(sheets.points, 25));

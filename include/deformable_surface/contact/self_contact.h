@@ -191,6 +191,7 @@ class SelfContact {
   Worst findWorst(const Approach& approach) const;
   void collide();
   void stopTogether();
+  void moveAsOne(const Points& before, bool does_one_stay, Points& after);
 
   Clearance clearance_;
   bool was_uncrossed_ = false;                      // by clearance_, where the last call of limit() ended
