@@ -16,6 +16,7 @@ namespace {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 // Of the median edge: more tolerance is not asked for, as few proofs have as much; less would be used up within a sub-step.
 constexpr double kMostTolerance = 0.2, kLeastTolerance = 0.002;
+constexpr int kSpares = 4;             // motions held at once where no snapshots are: by the step, its beginning, its part
 constexpr Index kBlock = 512;          // triangles per task
 constexpr Index kNumberBlock = 16384;  // coordinates per task
 
@@ -137,6 +138,11 @@ Clearance::Clearance(const Points& rest, const std::vector<Triangle>& triangles,
   flat_.resize(rest.size());
   rooms_.resize((outlines_.triangles.size() - 1) / kBlock + 1);
   boxes_.resize(outlines_.numParts());
+  for (int k = 0; k < kSpares; ++k) {
+    spares_.push_back(std::make_shared<ClearMotion>());
+    spares_.back()->from.reserve(rest.size());
+    spares_.back()->way.reserve(rest.size());
+  }
 }
 
 // Each point within d of its prediction changes an area by at most 2 d (|a| + |b|) + 4 d^2, a length by at most 2 d.

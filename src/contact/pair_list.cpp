@@ -218,7 +218,7 @@ void PairList::findCouples(const Points& positions, double reach) {
   kept_.swap(couples_);
   couples_.clear();
   auto kept = kept_.begin();
-  std::vector<Index> near;
+  std::vector<Index>& near = near_patches_;
   for (Index p = 0; p < num; ++p) {
     near.clear();
     tree_.visitMeeting(grow(boxes_[p], apart_), [&](Index q) {
@@ -291,7 +291,7 @@ void PairList::search(const Points& positions, Couple& couple) const {
   }
   const Box near_one = grow(boxes_[couple.one], couple.radius), near_other = grow(boxes_[couple.other], couple.radius);
   // Those of the first balls that are near the second's patch with those of the second that are near the first's.
-  std::vector<Ball> candidates;
+  static thread_local std::vector<Ball> candidates;  // keeps its memory
   const auto match = [&](const std::vector<Ball>& first, const Box& near_second, const std::vector<Ball>& second,
                          const Box& near_first, const auto& visit) {
     candidates.clear();

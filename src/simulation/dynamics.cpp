@@ -50,14 +50,15 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
 void Dynamics::makeSelfContact(Made made) {
   const OrAuto<bool> wanted = params_.contact.self;
   const ModelTraits traits = kind_.traits();
-  const bool may_be_auto = traits.meets_itself && traits.is_surface && rest_->across.isZero(0.0);
+  // Equilibria far away can often not be checked on the way, and would be searched twice.
+  const bool is_static = params_.integrator.type == solve::IntegratorType::kStatic;
+  const bool may_be_auto = traits.meets_itself && traits.is_surface && rest_->across.isZero(0.0) && !is_static;
   if (!wanted.valueOr(may_be_auto) || (made.is_fork && !made.meeting)) return;
   contact::SelfContactParams meeting;
   meeting.thickness = findContactThickness(params_, *rest_);
   meeting.friction = params_.contact.friction;
   meeting.kinetic_friction = params_.contact.kinetic_friction.valueOr(params_.contact.friction);
-  meeting.hardens =
-      params_.integrator.type == solve::IntegratorType::kImplicit || params_.integrator.type == solve::IntegratorType::kStatic;
+  meeting.hardens = is_static || params_.integrator.type == solve::IntegratorType::kImplicit;
   meeting.takes_lone_points = traits.is_surface;
   meeting.compliance = params_.contact.compliance;
   if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params_, *rest_, *model_).of_points;

@@ -9,6 +9,7 @@ bool PartMotionLimit::foresee(const model::State& whole, double time) {
   has_left_ = false;
   whole_ = whole.positions;
   if (clearance_.follow(contact_.proven(), whole_)) return true;
+  clearance_.forget();  // its memory is used again
   return contact_.foresee(whole_, whole.velocities, time) && clearance_.follow(contact_.proven(), whole_);
 }
 
@@ -18,6 +19,7 @@ bool PartMotionLimit::renew(const Points& before, const Points& after) const {
     whole_[points_[k]] = before[k];
     motion_[points_[k]] = after[k] - before[k];
   }
+  clearance_.forget();
   return contact_.foresee(whole_, motion_, 1.0) && clearance_.follow(contact_.proven(), whole_) && clearance_.covers(after);
 }
 

@@ -46,6 +46,7 @@ long countAllocations(simulation::Simulation& s, int steps) {
 simulation::SceneParams loadedSheet(solve::IntegratorType type) {
   simulation::SceneParams p = hangingSheet();
   p.integrator.type = type;
+  p.contact.self = false;  // parts of the crumpled sheet come near each other, and are listed
   p.pressure = 1.0;
   p.viscous_drag = 0.5;
   p.material.spring_damping = 1e-4;
@@ -100,6 +101,17 @@ TEST(Allocation, NoExplicitStepAllocatesAfterTheFirst) {
     EXPECT_EQ(countAllocations(s, 60), 0) << static_cast<int>(type);
     // The scene has stretched far enough for several new measurements of the stable step.
     EXPECT_GT(s.statistics().max_stretch, 0.2);
+  }
+}
+
+TEST(Allocation, NoStepWithSelfContactAllocatesWhileNothingIsNear) {
+  using Type = solve::IntegratorType;
+  for (Type type : {Type::kAuto, Type::kVerlet, Type::kImplicit}) {
+    simulation::SceneParams p = hangingSheet();
+    p.integrator.type = type;
+    p.contact.self = true;
+    simulation::Simulation s(p, sheetCloud());
+    EXPECT_EQ(countAllocations(s, 30), 0) << static_cast<int>(type);
   }
 }
 

@@ -152,6 +152,7 @@ class PairList {
   std::vector<Box> boxes_;                       // of the patches
   BoxTree tree_;                                 // of these
   std::vector<Couple> couples_, kept_;           // ascending
+  std::vector<Index> near_patches_;              // scratch
   double apart_ = -1.0;                          // m: patches that are no couple are farther apart
   std::vector<Couple*> expired_;                 // to be searched
   std::vector<Index> patches_of_expired_;

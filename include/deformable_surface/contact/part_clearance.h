@@ -16,6 +16,7 @@ class PartClearance {
   /// Takes over what is proven (null: nothing). False if it does not predict that the others rest where they are: positions,
   /// (n x 3) m, of which only those are read.
   bool follow(std::shared_ptr<const ClearMotion> motion, const Points& positions);
+  void forget() { motion_.reset(); }
   /// Whether the part, (points x 3) m, is as predicted: nothing then crosses anything. Needs follow().
   bool covers(const Points& part) const;
 
