@@ -4,6 +4,7 @@
 #include "deformable_surface/simulation/evolution.h"
 
 #include "cloud_follower.h"
+#include "copied_points.h"
 #include "rest_parts.h"
 
 namespace deformable_surface::simulation {
@@ -39,15 +40,7 @@ std::string ModelKind::refuseEstimate(const SceneParams&) const {
 CoarserLevel ModelKind::makeCopies(const SceneParams&, const RestSurface&) const { refuse("coarser copies", *this); }
 
 RestSurface ModelKind::copyCoarser(const SceneParams& params, const RestSurface& of) const {
-  RestSurface s;
-  s.area = of.area;
-  s.across = of.across;
-  s.closed = of.closed;
-  s.points = of.points;
-  s.normals = of.normals;
-  s.dense_index = of.dense_index;
-  s.rings = of.rings;
-  s.model = of.model->clone();
+  RestSurface s = copyPointsAndModel(of);
   applyPins(params, s);
   return s;
 }

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "../../behind_noise.h"
+#include "../../copied_points.h"
 #include "../../rest_parts.h"
 #include "../../rest_steps.h"
 #include "settle_particles.h"
@@ -340,18 +341,11 @@ CoarserLevel makeParticleCopies(const SceneParams& params, const RestSurface& le
 
 // Pins hold the particles that were in them before all slid.
 RestSurface copyCoarserParticles(const SceneParams&, const RestSurface& of) {
-  RestSurface s;
-  s.area = of.area;
-  s.across = of.across;
-  s.closed = of.closed;
-  s.points = of.points;
-  s.normals = of.normals;
-  s.dense_index = of.dense_index;
+  RestSurface s = copyPointsAndModel(of);
   s.pinned = of.pinned;
   s.pin_of = of.pin_of;
   s.pinned_turns = of.pinned_turns;
   s.creased = of.creased;
-  s.model = of.model->clone();
   return s;
 }
 
