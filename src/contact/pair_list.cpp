@@ -149,27 +149,34 @@ bool PairList::areFar(const Points& positions, const Points& next, const Reach& 
   return nearest_ - findLargestRelativeWay(at_, positions) >= reach.of(findLargestRelativeWay(positions, next));
 }
 
-void PairList::update(const Points& positions, const Points& next, const Reach& reach) {
+void PairList::update(const Points& positions, const Points& next, const Reach& reach, const Cover* cover) {
   if (edges_.empty()) return;
   const bool rests = &positions == &next;
   const double farthest = reach.of(rests ? 0.0 : findLargestRelativeWay(positions, next));
   const double gone = at_.empty() ? 0.0 : findLargestRelativeWay(at_, positions);
   if (at_.empty()) at_ = positions;
-  patches_.measureWays(at_, positions, ways_);
+  findOpen(cover);
+  patches_.measureWays(at_, positions, open_patches_, ways_);
   if (rests)
-    next_ways_.assign(ways_.size(), {Vec3::Zero(), Vec3::Zero()});
+    next_ways_.assign(patches_.size(), {Vec3::Zero(), Vec3::Zero()});
   else
-    patches_.measureWays(positions, next, next_ways_);
+    patches_.measureWays(positions, next, open_patches_, next_ways_);
   const bool are_all_coupled = apart_ - gone >= farthest, are_worn = num_visits_ > kMostVisits * num_listed_;
   markExpired(reach);
   if (are_all_coupled && expired_.empty() && !are_worn) return;
 
-  for (Couple& couple : couples_) couple.used = couple.gone;
+  if (open_.size() < couples_.size()) patches_.measureWays(at_, positions, ways_);
+  for (Couple& couple : couples_) couple.used += ways_[couple.one].findRelative(ways_[couple.other]);
   apart_ -= gone;
   at_ = positions;
   ways_.assign(ways_.size(), {Vec3::Zero(), Vec3::Zero()});
   if (are_worn) measureAgain(positions);
-  if (!are_all_coupled) findCouples(positions, farthest);
+  if (!are_all_coupled) {
+    findCouples(positions, farthest);
+    revision_ = -1;
+    findOpen(cover);
+    if (!rests) patches_.measureWays(positions, next, open_patches_, next_ways_);
+  }
   markExpired(reach);
   if (!expired_.empty()) searchExpired(positions);
   nearest_ = apart_;
@@ -180,10 +187,29 @@ void PairList::update(const Points& positions, const Points& next, const Reach& 
   }
 }
 
+void PairList::findOpen(const Cover* cover) {
+  const Index revision = cover ? cover->revision() : 0;
+  if (cover_ == cover && revision_ == revision) return;
+  cover_ = cover;
+  revision_ = revision;
+  open_.clear();
+  is_open_.assign(patches_.size(), 0);
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const Couple& couple = couples_[k];
+    if (cover && cover->holds(couple.one, couple.other)) continue;
+    open_.push_back(static_cast<Index>(k));
+    is_open_[couple.one] = is_open_[couple.other] = 1;
+  }
+  open_patches_.clear();
+  for (Index p = 0; p < patches_.size(); ++p)
+    if (is_open_[p] != 0) open_patches_.push_back(p);
+}
+
 // Determines how far the couples have moved, how near their pairs must be to be listed, and which lists may lack some.
 void PairList::markExpired(const Reach& reach) {
   expired_.clear();
-  for (Couple& couple : couples_) {
+  for (const Index open : open_) {
+    Couple& couple = couples_[open];
     couple.gone = couple.used + ways_[couple.one].findRelative(ways_[couple.other]);
     couple.reach = reach.of(next_ways_[couple.one].findRelative(next_ways_[couple.other]));
     if (!(couple.radius - couple.gone >= couple.reach)) expired_.push_back(&couple);

@@ -84,18 +84,28 @@ Box Patches::boundOf(Index patch, const Points& positions) const {
   return box;
 }
 
+Patches::Ways Patches::waysOf(Index patch, const Points& from, const Points& to) const {
+  Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), largest = -least;
+  for (Index k = patches_[patch].vertices; k < patches_[patch + 1].vertices; ++k) {
+    const Vec3 way = to[corners_[k]] - from[corners_[k]];
+    least = least.cwiseMin(way);
+    largest = largest.cwiseMax(way);
+  }
+  return {least, largest};
+}
+
 void Patches::measureWays(const Points& from, const Points& to, std::vector<Ways>& ways) const {
   ways.resize(size());
   parallelFor(size(), kBlock, [&](Index begin, Index end) {
-    for (Index p = begin; p < end; ++p) {
-      Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), largest = -least;
-      for (Index k = patches_[p].vertices; k < patches_[p + 1].vertices; ++k) {
-        const Vec3 way = to[corners_[k]] - from[corners_[k]];
-        least = least.cwiseMin(way);
-        largest = largest.cwiseMax(way);
-      }
-      ways[p] = {least, largest};
-    }
+    for (Index p = begin; p < end; ++p) ways[p] = waysOf(p, from, to);
+  });
+}
+
+void Patches::measureWays(const Points& from, const Points& to, const std::vector<Index>& patches,
+                          std::vector<Ways>& ways) const {
+  ways.resize(size());
+  parallelFor(static_cast<Index>(patches.size()), kBlock, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) ways[patches[k]] = waysOf(patches[k], from, to);
   });
 }
 

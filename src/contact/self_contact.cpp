@@ -18,9 +18,9 @@ constexpr double kStepsAhead = 8.0;     // for which a motion is predicted
 
 SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses,
                          const SelfContactParams& params)
-    : clearance_(rest, triangles, kWatched * params.thickness),
-      motion_(rest.size()),
-      list_(std::move(rest), triangles, params.thickness, params.takes_lone_points),
+    : motion_(rest.size()),
+      list_(rest, triangles, params.thickness, params.takes_lone_points),
+      clearance_(std::move(rest), triangles, kWatched * params.thickness, &list_.patches()),
       masses_(std::move(masses)),
       params_(params) {}
 
@@ -45,13 +45,16 @@ bool SelfContact::findCrossed(const Points& positions) {
 const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positions, double reach) {
   reach = std::max(reach, list_.thickness());
   if (reach <= measured_reach_ && positions == measured_at_) return near_;
-  list_.update(positions, reach);
   near_.clear();
-  list_.visitNear([&](const Pair& pair, double) {
-    const Closest closest = findClosest(pair, positions);
-    const double squared = closest.squaredDistance();
-    if (squared < reach * reach) near_.push_back({pair, closest, std::sqrt(squared), weigh(pair, positions)});
-  });
+  const bool is_near = reach <= clearance_.distance();
+  if (!is_near || !clearance_.isApartAt(positions)) {
+    list_.update(positions, reach, is_near ? clearance_.partsApart(positions) : nullptr);
+    list_.visitNear([&](const Pair& pair, double) {
+      const Closest closest = findClosest(pair, positions);
+      const double squared = closest.squaredDistance();
+      if (squared < reach * reach) near_.push_back({pair, closest, std::sqrt(squared), weigh(pair, positions)});
+    });
+  }
   measured_at_ = positions;
   measured_reach_ = reach;
   return near_;
@@ -59,8 +62,13 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
 
 void SelfContact::forgetMotion() {
   clearance_.forget();
+  beginMotion();
+}
+
+void SelfContact::beginMotion() {
+  clearance_.forgetParts();
   failures_ = pause_ = 0;
-  was_uncrossed_ = false;
+  was_uncrossed_ = has_whole_failed_ = false;
 }
 
 bool SelfContact::foresee(const Points& positions, const Points& velocities, double time) {
@@ -74,8 +82,7 @@ bool SelfContact::liesOpen(const Points& rest) {
 }
 
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
-  failures_ = pause_ = 0;
-  was_uncrossed_ = false;
+  beginMotion();
   if (clearance_.staysApart(positions, velocities, time)) return false;
   for (const double steps : {kStepsAhead, 1.0})
     if (clearance_.prove(positions, velocities, steps * time) && clearance_.isApart()) return false;
@@ -83,7 +90,8 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
   const double watched_by_all = kWatched * list_.thickness();
   const PairList::Reach reach{watched_by_all, 1.0, watched_by_all + kLongest * list_.usualReach()};
   if (list_.areFar(positions, motion_, reach)) return false;
-  list_.update(positions, motion_, reach);
+  clearance_.proveParts(positions, velocities, time, Clearance::Aim::kApart);
+  list_.update(positions, motion_, reach, clearance_.partsApart(positions));
   bool may_touch = false;
   list_.visitNear([&](const Pair& pair, double) {
     if (may_touch) return;

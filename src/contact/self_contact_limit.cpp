@@ -22,15 +22,21 @@ constexpr double kOutrun = 32.0;     // of the usual reach, ten edges or so: bey
 bool SelfContact::staysUncrossed(const Points& before, const Points& after, bool continues) {
   was_uncrossed_ = clearance_.staysUncrossed(before, after, continues && was_uncrossed_);
   if (was_uncrossed_) return true;
+  if (clearance_.partsUncrossed(before, after)) return false;
   if (pause_ > 0) {
     --pause_;
     return false;
   }
   for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = after[i] - before[i];
-  if (clearance_.prove(before, motion_, kAhead) && clearance_.staysUncrossed(before, after)) {
+  if (!has_whole_failed_ && clearance_.prove(before, motion_, kAhead) && clearance_.staysUncrossed(before, after)) {
     failures_ = 0;
     was_uncrossed_ = true;
     return true;
+  }
+  has_whole_failed_ = true;
+  if (clearance_.proveParts(before, motion_, kAhead, Clearance::Aim::kUncrossed) && clearance_.partsUncrossed(before, after)) {
+    failures_ = 0;
+    return false;
   }
   failures_ = std::min(failures_ + 1, kMostFailures);
   pause_ = (Index{1} << failures_) - 1;
@@ -165,7 +171,7 @@ void SelfContact::moveAsOne(const Points& before, bool does_one_stay, Points& af
 bool SelfContact::mustStop(const Points& before, const Points& after, bool continues) {
   const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
   if (staysUncrossed(before, after, continues) || list_.areFar(before, after, reach)) return false;
-  list_.update(before, after, reach);
+  list_.update(before, after, reach, clearance_.partsUncrossed(before, after));
   ways_.resize(before.size());
   bool must_stop = false;
   list_.visitNear([&](const Pair& pair, double least) {

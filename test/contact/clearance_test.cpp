@@ -133,6 +133,8 @@ TEST(Clearance, KnowsHowLongItHolds) {
   EXPECT_TRUE(clearance.staysUncrossed(sheet.points, move(sheet.points, velocities, 0.005)));
   EXPECT_TRUE(clearance.isApartAt(move(sheet.points, velocities, 0.01)));
   EXPECT_FALSE(clearance.isApartAt(move(sheet.points, velocities, 0.02)));
+  // A displacement of all across the motion brings nothing nearer.
+  EXPECT_TRUE(clearance.isApartAt(move(sheet.points, Points(sheet.points.size(), Vec3::UnitX()), 0.5)));
   Points one = move(sheet.points, velocities, 0.005);
   one[20].z() += 0.01;
   EXPECT_FALSE(clearance.staysUncrossed(sheet.points, one));
@@ -219,6 +221,140 @@ TEST(Clearance, NeedsTrianglesAndABoundary) {
   const Points bow{{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.1, 0.1, 0.0}, {-0.1, 0.0, 0.0}, {-0.1, -0.1, 0.0}};
   EXPECT_FALSE(Clearance(bow, {{0, 1, 2}, {0, 3, 4}}, kDistance).prove(bow, still(5), 0.0));
   EXPECT_FALSE(Clearance({}, {}, kDistance).prove({}, {}, 0.0));
+}
+
+// Primitives of a surface, and in which patch they are.
+struct Primitives {
+  std::vector<std::pair<Index, Index>> vertices, edges, triangles;  // index and patch
+
+  explicit Primitives(const PairList& list) {
+    for (Index p = 0; p < list.patches().size(); ++p) {
+      list.patches().visitVertices(p, [&](Index i) { vertices.emplace_back(i, p); });
+      list.patches().visitEdges(p, [&](Index i) { edges.emplace_back(i, p); });
+      list.patches().visitTriangles(p, [&](Index i) { triangles.emplace_back(i, p); });
+    }
+  }
+};
+
+// The least distance of primitives without a common vertex that the cover holds, and whether two of them cross.
+std::pair<double, bool> lookUnder(const Cover& cover, const PairList& list, const Points& x) {
+  const Primitives all(list);
+  double least = std::numeric_limits<double>::infinity();
+  bool crosses = false;
+  for (const auto& [t, q] : all.triangles) {
+    const Triangle& corner = list.triangles()[t];
+    const auto has = [&](Index v) { return std::find(corner.begin(), corner.end(), v) != corner.end(); };
+    for (const auto& [v, p] : all.vertices)
+      if (cover.holds(p, q) && !has(v))
+        least = std::min(least, findClosestToTriangle(x[v], x[corner[0]], x[corner[1]], x[corner[2]]).gap.norm());
+    for (const auto& [e, p] : all.edges) {
+      const auto& [a, b] = list.edges()[e];
+      if (cover.holds(p, q) && !has(a) && !has(b))
+        crosses = crosses || test::passesThrough(x[a], x[b], x[corner[0]], x[corner[1]], x[corner[2]]);
+    }
+  }
+  for (const auto& [e, p] : all.edges)
+    for (const auto& [f, q] : all.edges) {
+      const auto& [a, b] = list.edges()[e];
+      const auto& [c, d] = list.edges()[f];
+      if (cover.holds(p, q) && a != c && a != d && b != c && b != d)
+        least = std::min(least, findClosestOfEdges(x[a], x[b], x[c], x[d]).gap.norm());
+    }
+  return {least, crosses};
+}
+
+// Sheets that are rolled up, waved and crumpled, so that the whole has no proof.
+TEST(Clearance, IsRightForPartsOfAnyMotion) {
+  std::mt19937 generator(11);
+  const auto between = [&](double low, double high) { return low + 0.5 * (high - low) * (1.0 + test::uniform(generator)); };
+  int num_uncrossed = 0, num_apart = 0, num_none = 0;
+  for (int trial = 0; trial < 36; ++trial) {
+    const int side = 12 + generator() % 5;
+    const double edge = 0.1 / (side - 1);
+    const test::Sheets sheet = test::makeSheets(1, side, 0.0, between(0.0, 0.15) * edge, trial);
+    const Index n = static_cast<Index>(sheet.points.size());
+    const std::vector<Triangle> triangles = trial % 3 == 2 ? dropSome(sheet.triangles, generator) : sheet.triangles;
+    const double distance = between(0.02, 0.25) * edge;
+    const PairList list(sheet.points, triangles, distance / 1.5);
+    Clearance clearance(sheet.points, triangles, distance, &list.patches());
+    Points positions = roll(sheet.points, between(1.0, 6.0));
+    const double wave = between(0.0, 0.015), noise = between(0.0, 0.12) * edge;
+    for (Vec3& p : positions)
+      p = test::someRotation() * (p + Vec3(0.0, 0.0, wave * std::sin(80.0 * p.y())) + noise * test::randomVector(generator));
+    Points velocities = still(n);
+    const Vec3 spin = 0.2 * test::randomVector(generator), drift = test::randomVector(generator);
+    for (Index i = 0; i < n; ++i) velocities[i] = drift + spin.cross(positions[i]) + 0.1 * edge * test::randomVector(generator);
+    const Clearance::Aim aim = trial % 2 ? Clearance::Aim::kApart : Clearance::Aim::kUncrossed;
+    if (!clearance.proveParts(positions, velocities, 1.0, aim)) {
+      ++num_none;
+      continue;
+    }
+    for (const double time : {0.0, 0.4, 1.0}) {
+      const Points predicted = move(positions, velocities, time);
+      // The corners of the tolerance are the worst places.
+      Points corner = predicted, shifted = predicted;
+      for (Vec3& p : corner)
+        for (int k = 0; k < 3; ++k) p[k] += generator() % 2 ? 1.0 : -1.0;
+      double size = edge;
+      const auto shift = [&] {
+        for (Index i = 0; i < n; ++i) shifted[i] = predicted[i] + size * (corner[i] - predicted[i]);
+      };
+      const Cover* cover = nullptr;
+      for (shift(); !(cover = clearance.partsUncrossed(shifted, shifted)) && size > 1e-9; shift()) size *= 0.9;
+      ASSERT_NE(cover, nullptr);
+      EXPECT_FALSE(lookUnder(*cover, list, shifted).second) << trial;
+      ++num_uncrossed;
+      size = edge;
+      for (shift(); !(cover = clearance.partsApart(shifted)) && size > 1e-9; shift()) size *= 0.9;
+      if (!cover) continue;
+      EXPECT_GT(lookUnder(*cover, list, shifted).first, distance) << trial;
+      ++num_apart;
+    }
+  }
+  EXPECT_GT(num_uncrossed, 50);
+  EXPECT_GT(num_apart, 35);
+  EXPECT_GT(num_none, 2);
+}
+
+// A closed surface: circles of points between two poles.
+test::Sheets makeBall(Index circles, Index around) {
+  test::Sheets ball;
+  for (Index i = 0; i < circles; ++i)
+    for (Index k = 0; k < around; ++k) {
+      const double down = M_PI * (i + 1) / (circles + 1), about = 2.0 * M_PI * k / around;
+      ball.points.push_back(0.05 * Vec3(std::sin(down) * std::cos(about), std::sin(down) * std::sin(about), std::cos(down)));
+    }
+  const Index top = circles * around, bottom = top + 1;
+  ball.points.emplace_back(0.0, 0.0, 0.05);
+  ball.points.emplace_back(0.0, 0.0, -0.05);
+  for (Index k = 0; k < around; ++k) {
+    const Index next = (k + 1) % around, last = (circles - 1) * around;
+    ball.triangles.push_back({top, k, next});
+    ball.triangles.push_back({bottom, last + next, last + k});
+    for (Index i = 0; i + 1 < circles; ++i) {
+      const Index a = i * around;
+      ball.triangles.push_back({a + k, a + around + k, a + around + next});
+      ball.triangles.push_back({a + k, a + around + next, a + next});
+    }
+  }
+  return ball;
+}
+
+// Closed surfaces have no proof as a whole.
+TEST(Clearance, KnowsPartsOfAClosedSurface) {
+  const test::Sheets ball = makeBall(20, 40);
+  const PairList list(ball.points, ball.triangles, 1e-4);
+  Clearance clearance(ball.points, ball.triangles, 1.5e-4, &list.patches());
+  const Points at_rest = still(ball.points.size());
+  EXPECT_FALSE(clearance.prove(ball.points, at_rest, 1.0));
+  ASSERT_TRUE(clearance.proveParts(ball.points, at_rest, 1.0, Clearance::Aim::kApart));
+  const Cover& cover = *clearance.partsApart(ball.points);
+  for (Index p = 0; p < list.patches().size(); ++p) EXPECT_TRUE(cover.holds(p, p)) << p;
+  Points inside_out = ball.points;
+  inside_out[40] = Vec3::Constant(std::nan(""));
+  EXPECT_EQ(clearance.partsApart(inside_out), nullptr);
+  clearance.forgetParts();
+  EXPECT_EQ(clearance.partsApart(ball.points), nullptr);
 }
 
 }  // namespace

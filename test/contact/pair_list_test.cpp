@@ -98,6 +98,50 @@ TEST(PairList, SearchesOnlyWhereTheSurfaceDeforms) {
   EXPECT_LT(list.numSearches(), all + all / 20);
 }
 
+// What a cover holds is left out; what it no longer holds comes back, wherever the points have gone meanwhile.
+TEST(PairList, LeavesOutOnlyWhatIsCovered) {
+  const test::Sheets sheets = test::makeSheets(2, 8, 0.004, 0.0005);
+  PairList covered(sheets.points, sheets.triangles, 0.002);
+  const Patches& patches = covered.patches();
+  std::vector<Index> patch_of(sheets.points.size());
+  for (Index p = 0; p < patches.size(); ++p) patches.visitVertices(p, [&](Index v) { patch_of[v] = p; });
+  Cover cover;
+  std::mt19937 generator(5);
+  Points positions = sheets.points;
+  std::size_t num_left_out = 0, num_found = 0;
+  for (int step = 0; step < 30; ++step) {
+    if (step % 3 == 0) {
+      cover.clear(patches.size());
+      for (const Index chart : {0, 1}) {
+        std::vector<Index> some;
+        for (Index p = 0; p < patches.size(); ++p)
+          if (generator() % 2) some.push_back(p);
+        cover.add(some, chart);
+      }
+      cover.end();
+    }
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      positions[i] += Vec3(0.0, 0.002, 0.0) + 0.0003 * test::randomVector(generator) + Vec3(0.0, 0.0, i >= 64 ? -0.0001 : 0.0);
+    const double reach = step % 5 == 4 ? 0.006 : 0.003;
+    const Cover* const given = step % 4 == 3 ? nullptr : &cover;
+    covered.update(positions, reach, given);
+    std::set<std::array<Index, 5>> visited;
+    covered.visitNear([&](const Pair& pair, double) {
+      visited.insert({pair.vertices[0], pair.vertices[1], pair.vertices[2], pair.vertices[3], pair.is_edges});
+    });
+    for (const std::array<Index, 5>& found : findAll(sheets, positions, reach)) {
+      // An edge is in the patch of its lower vertex, a triangle in that of its lowest.
+      const Index one = patch_of[found[4] ? std::min(found[0], found[1]) : found[0]],
+                  other = patch_of[found[4] ? std::min(found[2], found[3]) : std::min({found[1], found[2], found[3]})];
+      const bool is_held = given && given->holds(one, other);
+      EXPECT_EQ(visited.count(found), is_held ? 0u : 1u) << step;
+      ++(is_held ? num_left_out : num_found);
+    }
+  }
+  EXPECT_GT(num_left_out, 100u);
+  EXPECT_GT(num_found, 100u);
+}
+
 TEST(PairList, HasAllThatComeWithinReachOfTheirWays) {
   const test::Sheets sheets = test::makeSheets(2, 6, 0.02, 0.0005);
   PairList list(sheets.points, sheets.triangles, 0.002);

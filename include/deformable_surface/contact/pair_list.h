@@ -3,6 +3,7 @@
 
 #include "deformable_surface/contact/box_tree.h"
 #include "deformable_surface/contact/closest_points.h"
+#include "deformable_surface/contact/cover.h"
 #include "deformable_surface/contact/patches.h"
 
 #include <algorithm>
@@ -61,15 +62,19 @@ class PairList {
 
   /// Whether no pair is within reach at `positions`, for paths from there to `next`: true only if that is quick to tell.
   bool areFar(const Points& positions, const Points& next, const Reach& reach) const;
-  /// Ensures that every pair is listed that is within reach at `positions`, for paths from there to `next`.
-  void update(const Points& positions, const Points& next, const Reach& reach);
+  /// Ensures that every pair is listed that is within reach at `positions`, for paths from there to `next`. cover: what is known
+  /// to have no such pairs, and is left out; null: nothing.
+  void update(const Points& positions, const Points& next, const Reach& reach, const Cover* cover = nullptr);
   /// The same for points that rest: every pair nearer than reach (m).
-  void update(const Points& positions, double reach) { update(positions, positions, {reach}); }
+  void update(const Points& positions, double reach, const Cover* cover = nullptr) {
+    update(positions, positions, {reach}, cover);
+  }
   /// Calls visit(pair, least) for the pairs that may be within reach at the positions of the last update(). least: m, a lower
   /// bound of their distance there. The order does not depend on when the lists were built.
   template <class Visit>
   void visitNear(const Visit& visit) {
-    for (const Couple& couple : couples_) {
+    for (const Index open : open_) {
+      const Couple& couple = couples_[open];
       if (couple.nearest - couple.gone >= couple.reach) continue;
       for (const Listed& listed : couple.listed) {
         const double least = listed.distance - couple.gone;
@@ -79,6 +84,7 @@ class PairList {
       }
     }
   }
+  const Patches& patches() const { return patches_; }
   double thickness() const { return thickness_; }
   double medianEdge() const { return median_edge_; }  // m, at rest
   /// Number of triangles that are crossed by edges of others, at rest or at the last findCrossed().
@@ -125,6 +131,7 @@ class PairList {
   /// Whether a vertex of each primitive are one of the couples, which are ascending, the lower vertex first.
   static bool isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair);
   void findCouples(const Points& positions, double reach);
+  void findOpen(const Cover* cover);
   void markExpired(const Reach& reach);
   void measureAgain(const Points& positions);
   void searchExpired(const Points& positions);
@@ -152,9 +159,13 @@ class PairList {
   std::vector<Box> boxes_;                       // of the patches
   BoxTree tree_;                                 // of these
   std::vector<Couple> couples_, kept_;           // ascending
-  std::vector<Index> near_patches_;              // scratch
-  double apart_ = -1.0;                          // m: patches that are no couple are farther apart
-  std::vector<Couple*> expired_;                 // to be searched
+  std::vector<Index> open_, open_patches_;       // couples that the cover does not hold, and their patches; ascending
+  const Cover* cover_ = nullptr;                 // of these; and its revision
+  Index revision_ = -1;
+  std::vector<char> is_open_;        // (patches), scratch
+  std::vector<Index> near_patches_;  // scratch
+  double apart_ = -1.0;              // m: patches that are no couple are farther apart
+  std::vector<Couple*> expired_;     // to be searched
   std::vector<Index> patches_of_expired_;
   std::vector<Balls> balls_;  // (patches), of the patches of expired couples
   Index num_searches_ = 0;

@@ -48,8 +48,12 @@ class Patches {
   };
   /// ways: (patches), of the displacements between two positions.
   void measureWays(const Points& from, const Points& to, std::vector<Ways>& ways) const;
+  /// The same for some of the patches; the ways of the others stay.
+  void measureWays(const Points& from, const Points& to, const std::vector<Index>& patches, std::vector<Ways>& ways) const;
 
  private:
+  Ways waysOf(Index patch, const Points& from, const Points& to) const;
+
   // Where the parts of a patch begin in the arrays below. They end where those of the next patch begin.
   struct Patch {
     Index vertices, outside;  // outside: the corners of its edges and triangles that belong to other patches

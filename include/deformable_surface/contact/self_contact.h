@@ -162,6 +162,7 @@ class SelfContact {
 
   double forceOf(const Push& push) const;    // N
   double dampingOf(const Push& push) const;  // N s/m, along the direction
+  void beginMotion();
   bool staysUncrossed(const Points& before, const Points& after, bool continues);
   /// Whether a pair may use up its room on the paths.
   bool mustStop(const Points& before, const Points& after, bool continues);
@@ -193,12 +194,13 @@ class SelfContact {
   void stopTogether();
   void moveAsOne(const Points& before, bool does_one_stay, Points& after);
 
-  Clearance clearance_;
   bool was_uncrossed_ = false;                      // by clearance_, where the last call of limit() ended
   Index failures_ = 0, pause_ = 0;                  // proofs that failed in a row, and calls of limit() until the next one
+  bool has_whole_failed_ = false;                   // a proof of the whole, in limit(): others are of parts
   Points motion_;                                   // m, scratch
   Points way_, piece_begin_, piece_end_, reached_;  // m, of staysApart()
   PairList list_;
+  Clearance clearance_;
   const std::vector<double> masses_;
   SelfContactParams params_;
   Points measured_at_;

@@ -1,0 +1,106 @@
+#include "deformable_surface/contact/clear_motion.h"
+
+#include "deformable_surface/base/simd.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace deformable_surface::contact {
+namespace {
+
+constexpr Index kLanes = 12;  // coordinates of four points
+
+// Of the coordinates of points, minus those predicted: least and largest, by axis in turn.
+struct Aside {
+  std::array<double, kLanes> least, largest;
+  double undefined = 0.0;  // not zero if any coordinate is undefined
+
+  Aside() {
+    least.fill(std::numeric_limits<double>::infinity());
+    largest.fill(-std::numeric_limits<double>::infinity());
+  }
+};
+
+// Extends the range by x + time v, for coordinates x now, of size coordinates, a multiple of kLanes. v: null for none.
+DEFORMABLE_SURFACE_WIDE void boundAside(Index size, const double* x, const double* v, double time, const double* from,
+                                        const double* way, double share, double* least, double* largest, double* undefined) {
+  Double4 least_of[3], largest_of[3], lost{};
+  for (Index k = 0; k < 3; ++k) {
+    load(least + 4 * k, least_of[k]);
+    load(largest + 4 * k, largest_of[k]);
+  }
+  for (Index i = 0; i < size; i += kLanes)
+    for (Index k = 0; k < 3; ++k) {
+      Double4 at, begin, motion;
+      load(x + i + 4 * k, at);
+      load(from + i + 4 * k, begin);
+      load(way + i + 4 * k, motion);
+      if (v) {
+        Double4 speed;
+        load(v + i + 4 * k, speed);
+        at += time * speed;
+      }
+      const Double4 aside = at - (begin + share * motion);
+      least_of[k] = aside < least_of[k] ? aside : least_of[k];
+      largest_of[k] = aside > largest_of[k] ? aside : largest_of[k];
+      lost += aside - aside;
+    }
+  for (Index k = 0; k < 3; ++k) {
+    store(least_of[k], least + 4 * k);
+    store(largest_of[k], largest + 4 * k);
+  }
+  *undefined += lost[0] + lost[1] + lost[2] + lost[3];
+}
+
+bool isWithin(const Points& positions, const Points* velocities, double time, const ClearMotion& motion, double share,
+              double tolerance) {
+  const Index size = 3 * static_cast<Index>(positions.size()), whole = size - size % kLanes;
+  const double *x = positions.data()->data(), *v = velocities ? velocities->data()->data() : nullptr,
+               *from = motion.from.data()->data(), *way = motion.way.data()->data();
+  Aside range;
+  boundAside(whole, x, v, time, from, way, share, range.least.data(), range.largest.data(), &range.undefined);
+  for (Index i = whole; i < size; ++i) {
+    const double aside = x[i] + (v ? time * v[i] : 0.0) - (from[i] + share * way[i]);
+    range.least[i - whole] = std::min(range.least[i - whole], aside);
+    range.largest[i - whole] = std::max(range.largest[i - whole], aside);
+    range.undefined += aside - aside;
+  }
+  if (range.undefined != 0.0) return false;
+  for (Index axis = 0; axis < 3; ++axis) {
+    for (Index k = axis + 3; k < kLanes; k += 3) {
+      range.least[axis] = std::min(range.least[axis], range.least[k]);
+      range.largest[axis] = std::max(range.largest[axis], range.largest[k]);
+    }
+    if (range.largest[axis] - range.least[axis] > 2.0 * tolerance) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void ClearMotion::predict(const Points& positions, const Points& velocities, double time) {
+  from = positions;
+  way.resize(positions.size());
+  leader = 0;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    way[i] = time * velocities[i];
+    if (way[i].squaredNorm() > way[leader].squaredNorm()) leader = static_cast<Index>(i);
+  }
+}
+
+double ClearMotion::shareAt(const Vec3& of_leader) const {
+  const double squared = way[leader].squaredNorm();
+  return squared > 0.0 ? std::clamp((of_leader - from[leader]).dot(way[leader]) / squared, 0.0, 1.0) : 0.0;
+}
+
+bool ClearMotion::isNear(const Points& positions, double tolerance) const {
+  return isWithin(positions, nullptr, 0.0, *this, shareAt(positions[leader]), tolerance);
+}
+
+bool ClearMotion::isNear(const Points& positions, const Points& velocities, double time, double tolerance) const {
+  const double later = shareAt(positions[leader] + time * velocities[leader]);
+  return isNear(positions, tolerance) && isWithin(positions, &velocities, time, *this, later, tolerance);
+}
+
+}  // namespace deformable_surface::contact
