@@ -30,7 +30,8 @@ Atlas::Atlas(const Points& rest, const std::vector<Triangle>& triangles, const P
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (const Index v : triangles[t]) {
       triangles_at_[v].push_back(static_cast<Index>(t));
-      for (const Index w : triangles[t]) neighbors_[patch_of_[v]].push_back(patch_of_[w]);
+      for (const Index w : triangles[t])
+        if (patch_of_[v] < patch_of_[w]) neighbors_[patch_of_[v]].push_back(patch_of_[w]);
     }
   for (std::vector<Index>& neighbors : neighbors_) sortOut(neighbors);
   if (patches.size() > kFewPatches) split(0, patches.size());

@@ -66,7 +66,12 @@ bool Clearance::proveParts(const Points& positions, const Points& velocities, do
   parts_.uncrossed.clear(patches_->size());
   parts_.apart.clear(patches_->size());
   double uncrossed = std::numeric_limits<double>::infinity(), apart = uncrossed;
+  has_failed_.resize(atlas_->size(), 0);
   for (Index k = 0; k < atlas_->size();) {
+    if (has_failed_[k] != 0) {
+      ++k;
+      continue;
+    }
     const Chart& chart = atlas_->chart(k);
     const Chart::Room room = chart.isEmpty() ? Chart::Room{-1.0, -1.0} : chart.findRoom(positions, motion.way, scratch_);
     const double least = kLeastInParts * chart.edge();
@@ -79,7 +84,9 @@ bool Clearance::proveParts(const Points& positions, const Points& velocities, do
       parts_.apart.add(atlas_->patchesIn(k), k);
       apart = std::min(apart, room.apart);
     }
-    k = (aim == Aim::kApart ? is_apart : is_uncrossed) ? atlas_->behind(k) : k + 1;
+    const bool has_succeeded = aim == Aim::kApart ? is_apart : is_uncrossed;
+    has_failed_[k] = !has_succeeded;
+    k = has_succeeded ? atlas_->behind(k) : k + 1;
   }
   parts_.uncrossed.end();
   parts_.apart.end();

@@ -13,6 +13,7 @@ constexpr double kWatched = 1.5;
 constexpr double kLongest = 4.0;        // of the usual reach: a longer piece of a way would need too many pairs
 constexpr double kShortest = 1.0 / 64;  // of a way: pieces that are not needed shorter where nothing is near
 constexpr double kStepsAhead = 8.0;     // for which a motion is predicted
+constexpr Index kFewPatches = 48;       // of surfaces whose parts have no proofs: their lists cost less
 
 }  // namespace
 
@@ -20,7 +21,8 @@ SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, st
                          const SelfContactParams& params)
     : motion_(rest.size()),
       list_(rest, triangles, params.thickness, params.takes_lone_points),
-      clearance_(std::move(rest), triangles, kWatched * params.thickness, &list_.patches()),
+      clearance_(std::move(rest), triangles, kWatched * params.thickness,
+                 list_.patches().size() < kFewPatches ? nullptr : &list_.patches()),
       masses_(std::move(masses)),
       params_(params) {}
 
@@ -67,6 +69,7 @@ void SelfContact::forgetMotion() {
 
 void SelfContact::beginMotion() {
   clearance_.forgetParts();
+  clearance_.tryAllParts();
   failures_ = pause_ = 0;
   was_uncrossed_ = has_whole_failed_ = false;
 }
@@ -91,6 +94,7 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
   const PairList::Reach reach{watched_by_all, 1.0, watched_by_all + kLongest * list_.usualReach()};
   if (list_.areFar(positions, motion_, reach)) return false;
   clearance_.proveParts(positions, velocities, time, Clearance::Aim::kApart);
+  clearance_.tryAllParts();
   list_.update(positions, motion_, reach, clearance_.partsApart(positions));
   bool may_touch = false;
   list_.visitNear([&](const Pair& pair, double) {

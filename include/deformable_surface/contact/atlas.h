@@ -39,7 +39,7 @@ class Atlas {
   const Patches& patches_;
   const double distance_;
   std::vector<Index> patch_of_;                   // (n), -1: none
-  std::vector<std::vector<Index>> neighbors_;     // (patches), ascending, with the patch itself
+  std::vector<std::vector<Index>> neighbors_;     // (patches), ascending: the patch itself and later ones
   std::vector<std::vector<Index>> triangles_at_;  // (n), ascending
   std::vector<Node> nodes_;
 };

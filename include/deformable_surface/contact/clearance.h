@@ -45,6 +45,8 @@ class Clearance {
   /// The same for parts of the surface, apart from the proof of the whole. Returns whether anything is proven.
   bool proveParts(const Points& positions, const Points& velocities, double time, Aim aim);
   void forgetParts() { parts_.motion.tolerance = parts_.motion.apart_tolerance = -1.0; }
+  /// Tries all parts again: those without a proof are left out since the last call, and parts of them tried.
+  void tryAllParts() { has_failed_.clear(); }
   /// What stays uncrossed on straight paths; null: nothing is proven.
   const Cover* partsUncrossed(const Points& before, const Points& after) const;
   /// What is farther apart than the distance; null: nothing is proven.
@@ -66,7 +68,8 @@ class Clearance {
     ClearMotion motion;
     Cover uncrossed, apart;
   } parts_;
-  std::optional<Atlas> atlas_;  // made when it is first needed
+  std::vector<char> has_failed_;  // by chart
+  std::optional<Atlas> atlas_;    // made when it is first needed
 };
 
 }  // namespace deformable_surface::contact
