@@ -38,14 +38,13 @@ void SelfContact::addFriction(const Points& positions, const Points& velocities,
   }
 }
 
-double SelfContact::frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors) {
+double SelfContact::frictionEnergy(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors) {
   double sum = 0.0;
   if (anchors.empty()) return sum;
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
-    const double force = std::min(rub.law.stiffness * rub.stretch.norm(), rub.law.static_limit);
-    sum += 0.5 * force * force / rub.law.stiffness;
+    sum += rub.law.storedEnergy(rub.stretch, findSliding(near, velocities), rub.slides);
   }
   return sum;
 }

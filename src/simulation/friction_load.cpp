@@ -70,8 +70,7 @@ void FrictionLoad::addForces(double time, const model::State& state, Points& for
 double FrictionLoad::storedEnergyAt(double time, const model::State& state) const {
   double sum = 0.0;
   forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch&, const Rub& rub) {
-    const double force = std::min(rub.law.stiffness * rub.stretch.norm(), rub.law.static_limit);
-    sum += 0.5 * force * force / rub.law.stiffness;
+    sum += rub.law.storedEnergy(rub.stretch, rub.sliding, rub.slides);
   });
   return sum;
 }

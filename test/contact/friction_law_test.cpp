@@ -33,6 +33,15 @@ TEST(FrictionLaw, ActsAgainstTheMotionOfWhatHasNoSpringYet) {
   EXPECT_NEAR(kLaw.findForce(kStill, Vec3(9.0, 0.0, 0.0), false).norm(), 2.0, 1e-12);
 }
 
+TEST(FrictionLaw, KnowsTheEnergyOfItsSpring) {
+  EXPECT_DOUBLE_EQ(kLaw.storedEnergy(Vec3(1e-3, 0.0, 0.0), kStill, false), 0.5e-3);
+  // A spring that slackens: the damping hides a part of its force, so that it does not slide beyond the limit.
+  const Vec3 stretch(3e-3, 0.0, 0.0), slackening(-0.4, 0.0, 0.0);
+  EXPECT_DOUBLE_EQ(kLaw.storedEnergy(stretch, slackening, false), 4.5e-3);
+  // One that slides keeps what the kinetic limit holds.
+  EXPECT_NEAR(kLaw.storedEnergy(stretch, kStill, false), 0.5 * 1.5 * 1.5 / 1e3, 1e-15);
+}
+
 TEST(FrictionLaw, NothingPressedNothingHeld) {
   const FrictionLaw none{0.0, 0.0, 1e3, 5.0};
   EXPECT_EQ(none.findForce(Vec3(1e-3, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), false), kStill);

@@ -163,6 +163,38 @@ TEST(FrictionLoad, APatchSlidesAsFarAsCoulombSays) {
   }
 }
 
+// An undamped sheet is laid on a soft pad and pushed along it: it sways on the pad's tangential springs, which return energy.
+TEST(FrictionLoad, ASheetSwaysOnASoftPad) {
+  for (const Type type : {Type::kVerlet, Type::kImplicit}) {
+    simulation::SceneParams p;
+    p.material.young_modulus = 1.5e7;
+    p.material.thickness = 0.003;
+    p.sleep.mode = simulation::Sleep::kNever;
+    p.accuracy.estimate = false;
+    p.integrator.type = type;
+    p.integrator.time_step = 0.006;
+    p.gravity = Vec3(8.6, 0.0, -4.8);
+    p.contact.compliance = 1e-3;
+    tool::ToolParams plane = ball(0.1, Vec3::Zero(), Vec3::Zero());
+    plane.shape.kind = geometry::Solid::Kind::kPlane;
+    plane.path.resize(1);
+    plane.friction = 2.0;
+    p.tools = {plane};
+    simulation::Simulation s(p, sheetCloud(10));
+    double lowest = 0.0, returned = 0.0;  // J, of the energy of motion and in gravity
+    for (int k = 0; k < 120; ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << outcome.problem;
+      const double energy = s.statistics().kinetic_energy + s.statistics().potential_energy;
+      lowest = std::min(lowest, energy);
+      returned = std::max(returned, energy - lowest);
+      EXPECT_LT(energy, -0.01 * lowest) << k;
+    }
+    EXPECT_LT(lowest, -1.0);
+    EXPECT_GT(returned, 0.1) << static_cast<int>(type);
+  }
+}
+
 TEST(FrictionLoad, WhatSlidesHasTheKineticCoefficient) {
   Incline incline;
   incline.friction = 1.0;

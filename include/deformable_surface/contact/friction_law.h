@@ -36,6 +36,11 @@ struct FrictionLaw {
     stretch = -(kinetic_limit / (stiffness * size)) * trial;
     return true;
   }
+  /// Of the spring after slide(), J. A spring that slackens against its damping can hold more than the limit shows.
+  double storedEnergy(Vec3 stretch, const Vec3& sliding, bool slides) const {
+    slide(stretch, sliding, slides);
+    return 0.5 * stiffness * stretch.squaredNorm();
+  }
 };
 
 }  // namespace deformable_surface::contact

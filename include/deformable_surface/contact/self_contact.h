@@ -84,7 +84,7 @@ class SelfContact {
   // sticking pairs, ascending; other pairs begin to stick at their present places.
   void addFriction(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors, Points& forces);
   /// Energy of the friction springs, J.
-  double frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors);
+  double frictionEnergy(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors);
   /// Adds the stiffness of friction, as addStiffness().
   void addFrictionStiffness(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
                             double step, BlockSparse& stiffness);
