@@ -78,10 +78,11 @@ bool SelfContact::foresee(const Points& positions, const Points& velocities, dou
   return clearance_.prove(positions, velocities, kStepsAhead * time);
 }
 
-bool SelfContact::liesOpen(const Points& rest) {
-  const bool is_proven = clearance_.prove(rest, Points(rest.size(), Vec3::Zero()), 1.0) && clearance_.isApart();
+SelfContact::Lie SelfContact::findLie(const Points& rest) {
+  if (!clearance_.hasOutline()) return Lie::kWithoutOutline;
+  const bool is_uncrossed = clearance_.prove(rest, Points(rest.size(), Vec3::Zero()), 1.0), is_apart = clearance_.isApart();
   clearance_.forget();
-  return is_proven;
+  return is_apart ? Lie::kOpen : is_uncrossed ? Lie::kThick : Lie::kOver;
 }
 
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {

@@ -26,6 +26,17 @@ Index nearestPoint(const Points& points, const Vec3& to) {
 
 double findSpacing(const RestSurface& rest) { return std::sqrt(rest.area / static_cast<double>(rest.points.size())); }
 
+// Why a surface does not lie open; empty: it does.
+std::string describeLie(contact::SelfContact::Lie lie) {
+  switch (lie) {
+    case contact::SelfContact::Lie::kOpen: return "";
+    case contact::SelfContact::Lie::kWithoutOutline: return "the surface is closed, or its triangles have no single outline";
+    case contact::SelfContact::Lie::kThick: return "the surface is thick beside the spacing of its points, or these are uneven";
+    case contact::SelfContact::Lie::kOver: break;
+  }
+  return "seen from one side, parts of the surface at rest lie over others, or are steep, or its outline is very indented";
+}
+
 }  // namespace
 
 Dynamics::Dynamics(const SceneParams& params, Made made)
@@ -53,6 +64,8 @@ void Dynamics::makeSelfContact(Made made) {
   // Equilibria far away can often not be checked on the way, and would be searched twice.
   const bool is_static = params_.integrator.type == solve::IntegratorType::kStatic;
   const bool may_be_auto = traits.meets_itself && traits.is_surface && rest_->across.isZero(0.0) && !is_static;
+  if (wanted.is_auto && !may_be_auto)
+    why_no_self_contact_ = is_static ? "equilibria are searched without it" : "it is on for surfaces in space only";
   if (!wanted.valueOr(may_be_auto) || (made.is_fork && !made.meeting)) return;
   contact::SelfContactParams meeting;
   meeting.thickness = findContactThickness(params_, *rest_);
@@ -64,7 +77,8 @@ void Dynamics::makeSelfContact(Made made) {
   if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params_, *rest_, *model_).of_points;
   if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
   loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), meeting);
-  if (wanted.is_auto && !made.is_fork && !loads_.self_contact->contact.liesOpen(rest_->points)) loads_.self_contact.reset();
+  if (wanted.is_auto && !made.is_fork) why_no_self_contact_ = describeLie(loads_.self_contact->contact.findLie(rest_->points));
+  if (!why_no_self_contact_.empty()) loads_.self_contact.reset();
   if (loads_.self_contact) system_.setMotionLimit(&loads_.self_contact->limit);
 }
 

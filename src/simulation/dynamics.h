@@ -43,6 +43,8 @@ class Dynamics {
   void reset();
   /// The result of growing a surface through the particles at rest, if the scene asks for it: a sentence; else empty.
   const std::string& growthNotice() const { return growth_notice_; }
+  /// Why contact.self: auto is off; empty: it is on, or not auto.
+  const std::string& whyNoSelfContact() const { return why_no_self_contact_; }
   const std::string& growthWarning() const { return growth_warning_; }
 
   /// Carries out a command that was checked (command_checks.h). Edits of particles throw InputError, and change nothing, if they
@@ -288,6 +290,7 @@ class Dynamics {
   LooseParts loose_;  // of static steps
   // Since the last reset:
   bool has_reported_stopped_ = false;
+  std::string why_no_self_contact_;
   bool has_told_compliance_ = false;
   UntanglingProgress untangling_;
   Index reported_loose_ = 0;   // points of loose parts, as said last since the last reset

@@ -61,9 +61,8 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
     dynamics().chooseIntegrator(choice.integrator);
   const ModelKind& kind = dynamics().kind();
   if (params.contact.self.is_auto && kind.traits().meets_itself && !dynamics().loads().self_contact)
-    notes.push_back(
-        "contact.self: auto is off, and parts can pass through each other: it is on where the surface lies open at rest with "
-        "room for its thickness, except for static steps; true switches it on");
+    notes.push_back("contact.self: auto is off, and parts can pass through each other: " + dynamics().whyNoSelfContact() +
+                    "; true switches it on");
   const std::string refused = kind.refuseEstimate(params);
   if (params.accuracy.estimate && !refused.empty())
     notes.push_back(std::string("no error estimate: model ") + kind.name() + " " + refused);

@@ -346,6 +346,7 @@ TEST(Clearance, KnowsPartsOfAClosedSurface) {
   const PairList list(ball.points, ball.triangles, 1e-4);
   Clearance clearance(ball.points, ball.triangles, 1.5e-4, &list.patches());
   const Points at_rest = still(ball.points.size());
+  EXPECT_FALSE(clearance.hasOutline());
   EXPECT_FALSE(clearance.prove(ball.points, at_rest, 1.0));
   ASSERT_TRUE(clearance.proveParts(ball.points, at_rest, 1.0, Clearance::Aim::kApart));
   const Cover& cover = *clearance.partsApart(ball.points);

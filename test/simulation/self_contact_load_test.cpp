@@ -102,6 +102,29 @@ TEST(SelfContactLoad, IsOnByDefaultWhereTheSurfaceLiesOpen) {
   EXPECT_EQ(s.params().material.damping, 3.0);
 }
 
+TEST(SelfContactLoad, TellsWhyItIsOffByDefault) {
+  const auto reasonOf = [](const simulation::SceneParams& params, const cloud::PointCloud& cloud) -> std::string {
+    const Simulation s(params, cloud);
+    for (const std::string& note : s.buildNotes())
+      if (note.find("contact.self: auto is off") != std::string::npos) return note;
+    return "it is on";
+  };
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.accuracy.estimate = false;
+  EXPECT_EQ(reasonOf(p, sheetCloud()), "it is on");
+  cloud::PointCloud tube = sheetCloud();
+  for (Vec3& x : tube.positions) x = Vec3(0.16 * std::cos(6.08 * x.x()), x.y(), 0.16 * std::sin(6.08 * x.x()));
+  EXPECT_NE(reasonOf(p, tube).find("lie over others"), std::string::npos) << reasonOf(p, tube);
+  p.contact.thickness = 0.04;
+  EXPECT_NE(reasonOf(p, sheetCloud()).find("thick"), std::string::npos) << reasonOf(p, sheetCloud());
+  p.contact.thickness = {};
+  p.integrator.type = solve::IntegratorType::kStatic;
+  EXPECT_NE(reasonOf(p, sheetCloud()).find("equilibria"), std::string::npos) << reasonOf(p, sheetCloud());
+  p.contact.self = true;
+  EXPECT_EQ(reasonOf(p, sheetCloud()), "it is on");
+}
+
 TEST(SelfContactLoad, ATowelThatIsFoldedDoesNotCrossItselfByDefault) {
   ContactScene scene = makeScene("fold", 2, 1.0);
   scene.params.contact.self = {};

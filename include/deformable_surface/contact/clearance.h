@@ -23,6 +23,8 @@ class Clearance {
 
   double distance() const { return distance_; }  // m
 
+  /// Whether the whole may have a proof: false for closed surfaces.
+  bool hasOutline() const { return !whole_.isEmpty(); }
   /// Tries the proof for points that keep their velocities (n) for a time; m and s, or any other unit of time.
   bool prove(const Points& positions, const Points& velocities, double time);
   void forget() { proven_.reset(); }

@@ -59,8 +59,9 @@ class SelfContact {
   /// Tries to prove that nothing comes near while the points keep their velocities for some steps of a time, s (or any other unit
   /// of time). See Clearance.
   bool foresee(const Points& positions, const Points& velocities, double time);
-  /// Whether the surface at rest lies open: seen from one side, nothing is over or near anything.
-  bool liesOpen(const Points& rest);
+  /// Whether the surface at rest lies open: seen from one side, nothing is over or near anything. If not, the reason.
+  enum class Lie { kOpen, kWithoutOutline, kThick, kOver };
+  Lie findLie(const Points& rest);
   /// What is known of the present motion, for snapshots. See Clearance.
   std::shared_ptr<const ClearMotion> proven() const { return clearance_.proven(); }
   void setProven(std::shared_ptr<const ClearMotion> proven) { clearance_.setProven(std::move(proven)); }
