@@ -223,7 +223,7 @@ const Formula kFormulas[] = {
      }},
 };
 
-const char* const kScans[] = {"cgal_points/kitten.off", "cgal_points/bear.off", "odedstein_meshes/spot_low_resolution.obj"};
+const char* const kScans[] = {"cgal_points/elephant.off", "cgal_points/bear.off", "odedstein_meshes/spot_low_resolution.obj"};
 
 std::string dataFolder() {
   const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");

@@ -30,7 +30,7 @@ struct GrowthShape {
 
 /// The shapes made by formulas, then those of files in the folder of real data (none if it has none).
 std::vector<std::string> listGrowthShapes();
-/// Empty surface: the file is missing.
+/// Empty surface: the file is missing or has no triangles.
 GrowthShape makeGrowthShape(const std::string& name);
 
 /// Samples of a shape: points of its surface at least some distance apart, as many as fit, chosen so that they are about
