@@ -35,14 +35,16 @@ struct Result {
 struct Method {
   const char *name, *program, *argument;  // ours: no program
 };
-const Method kMethods[] = {{"particles", nullptr, nullptr},
+const char kHeld[] = "held";
+const Method kMethods[] = {{"particles", nullptr, "released"},
+                           {"particles, samples held", nullptr, kHeld},
                            {"CGAL, advancing front", "growth_by_cgal", "front"},
                            {"CGAL, scale space", "growth_by_cgal", "scale_space"},
                            {"PCL, greedy projection", "growth_by_pcl", "greedy"},
                            {"PCL, Poisson", "growth_by_pcl", "poisson"}};
 
 // The settings do not depend on the shape; noise is not stated.
-Result growParticles(const GrowthSamples& samples, bool has_normals) {
+Result growParticles(const GrowthSamples& samples, bool has_normals, bool holds_samples) {
   Result result;
   simulation::SceneParams scene;
   scene.model = "oriented_particles";
@@ -60,6 +62,7 @@ Result growParticles(const GrowthSamples& samples, bool has_normals) {
   particles.growth.max_gap = 5.0;
   particles.growth.clearance = 0.65;
   particles.growth.sample_gap = 1.7;
+  particles.growth.release_samples = !holds_samples;
   cloud::PointCloud cloud;
   cloud.positions = samples.points.positions;
   if (has_normals) cloud.normals = samples.points.normals;
@@ -157,10 +160,14 @@ void runGrowthSection(const Options& options, Report& report) {
        "to_surface", "from_surface", "farthest", "normals_off_deg", "turned", "vertices", "cpu_s"});
   constexpr std::size_t kNumMethods = std::size(kMethods);
   std::vector<Total> totals(2 * kNumMethods);
+  std::string left_out;
   for (const std::string& name : listGrowthShapes()) {
     if (name.rfind(options.scene, 0) != 0) continue;
     const GrowthShape shape = makeGrowthShape(name);
-    if (shape.surface.positions.empty()) continue;
+    if (shape.surface.positions.empty()) {
+      left_out += (left_out.empty() ? "left out, without triangles: " : ", ") + name;
+      continue;
+    }
     for (const Index count : counts) {
       for (const double noise : noises) {
         const GrowthSamples samples = takeSamples(shape, count, noise, static_cast<unsigned>(count));
@@ -170,8 +177,8 @@ void runGrowthSection(const Options& options, Report& report) {
           std::vector<double> distances(kNumMethods, HUGE_VAL);
           for (std::size_t m = 0; m < kNumMethods; ++m) {
             const Method& method = kMethods[m];
-            const Result result =
-                method.program ? runProgram(method, options.folder, points) : growParticles(samples, has_normals);
+            const Result result = method.program ? runProgram(method, options.folder, points)
+                                                 : growParticles(samples, has_normals, method.argument == kHeld);
             Total& total = totals[2 * m + !has_normals];
             std::vector<std::string> row{name, std::to_string(points.positions.size()), show(noise),
                                          has_normals ? "given" : "none", method.name};
@@ -220,6 +227,7 @@ void runGrowthSection(const Options& options, Report& report) {
                 show(std::exp(t.log_normal / made) * 180.0 / kPi), show(t.seconds / made), show(t.slowest)});
   }
   report.end();
+  if (!left_out.empty()) report.note(left_out);
   report.note(
       "normals none: the front and the scale space use none; for greedy projection and Poisson they are estimated and "
       "turned to one side as the package does");
