@@ -9,12 +9,11 @@
 
 namespace deformable_surface::contact {
 
-/// Two patches that share a triangle, or one and itself, are in a chart of each level together. Charts are made when they are
-/// first asked for.
+/// Two patches that share a triangle, or one and itself, are in a chart of each level together. A patch with a point without
+/// triangles is in none. Charts are made when they are first asked for.
 class Atlas {
  public:
-  /// rest: (n) m. patches: of the same surface, without a point that has no triangle. distance: m, see Chart. All are kept by
-  /// reference.
+  /// rest: (n) m. patches: of the same surface. distance: m, see Chart. All are kept by reference. Few patches have no chart.
   Atlas(const Points& rest, const std::vector<Triangle>& triangles, const Patches& patches, double distance);
 
   /// The charts, depth first: those behind a chart up to behind() are parts of it.
