@@ -9,6 +9,7 @@ namespace deformable_surface::benchmark {
 simulation::SceneParams makeSwingingScene(solve::IntegratorType type, double time_step) {
   simulation::SceneParams scene;
   scene.accuracy.estimate = false;  // the integrators are compared, not the error estimate
+  scene.contact.self = false;       // nor contact, which the programs beside it do not have here
   scene.material.young_modulus = 1e6;
   scene.material.thickness = 0.001;
   scene.material.density = 200.0;
