@@ -215,5 +215,13 @@ TEST(KeptBonds, ABondThatIsTooLongMeltedOrCutIsGone) {
   EXPECT_LT(std::abs(particles.elasticEnergy(s)), 1e-20);  // nothing pulls, then or when it is cold again
 }
 
+TEST(KeptBonds, TheirMemoryCounts) {
+  const State rest = unevenPatch();
+  const OrientedParticles particles = makeKept(rest);
+  EXPECT_GT(particles.elasticEnergy(rest), -1.0);  // which lists those that are present
+  // Those of the rest shape and those that are present.
+  EXPECT_GT(particles.bytes(), 2 * trianglesOfPatch().size() * sizeof(model::KeptBonds::Triangle));
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

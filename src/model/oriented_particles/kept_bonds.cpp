@@ -290,4 +290,17 @@ void PresentBonds::addRowBounds(const PackedParticles& particles, const std::vec
   }
 }
 
+std::size_t KeptBonds::bytes() const {
+  return bonds.capacity() * sizeof(Bond) + triangles.capacity() * sizeof(Triangle) + close.capacity() * sizeof(Close) +
+         areas.capacity() * sizeof(double);
+}
+
+std::size_t PresentBonds::bytes() const {
+  const std::size_t indices =
+      begins_.capacity() + others_.capacity() + numbers_.capacity() + side_begins_.capacity() + sides_.capacity();
+  return bonds_.capacity() * sizeof(KeptBonds::Bond) + triangles_.capacity() * sizeof(KeptBonds::Triangle) +
+         unbound_.capacity() * sizeof(KeptBonds::Close) + indices * sizeof(Index) + deformed_.capacity() * sizeof(Deformed) +
+         slopes_.capacity() * sizeof(Slopes);
+}
+
 }  // namespace deformable_surface::model

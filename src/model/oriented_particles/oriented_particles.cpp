@@ -625,9 +625,15 @@ void OrientedParticles::computePointStrain(const State& state, std::vector<doubl
 }
 
 std::size_t OrientedParticles::bytes() const {
-  std::size_t numbers = packed_.places.capacity() + packed_.normals.capacity() + masses_.capacity() + inertias_.capacity();
-  numbers += strain_.capacity() + 3 * (torques_.capacity() + normals_.capacity());
-  return lists_.bytes() + partners_.bytes() + numbers * sizeof(double);
+  std::size_t numbers = masses_.capacity() + inertias_.capacity() + strain_.capacity();
+  for (const std::vector<double>* packed : {&packed_.places, &packed_.normals, &packed_.curvatures})
+    numbers += packed->capacity();
+  for (const std::vector<double>* rows : {&row_maxima_, &row_moves_, &row_turns_, &unit_masses_, &fixed_inertias_})
+    numbers += rows->capacity();
+  const std::size_t vectors = torques_.capacity() + normals_.capacity() + rest_curvatures_.capacity();
+  return lists_.bytes() + partners_.bytes() + cuts_.bytes() + bonds_.bytes() + (kept_ ? kept_->bytes() : 0) +
+         numbers * sizeof(double) + vectors * sizeof(Vec3) + has_flowed_.capacity() +
+         links_.capacity() * sizeof(std::pair<Index, Index>) + triangles_.capacity() * sizeof(WeightedTriangle);
 }
 
 }  // namespace deformable_surface::model

@@ -50,6 +50,9 @@ struct KeptBonds {
   /// From the state at rest of the initial particles.
   KeptBonds(const State& rest, const std::vector<WeightedTriangle>& corners, std::vector<double> areas,
             const MaterialParams& material, const OrientedParticlesParams& params);
+
+  /// Memory beside the object itself.
+  std::size_t bytes() const;
 };
 
 /// The bonds that a population still has, as its forces read them. A bond without a whole triangle is none.
@@ -60,6 +63,7 @@ class PresentBonds {
 
   const std::vector<KeptBonds::Bond>& bonds() const { return bonds_; }
   std::vector<WeightedTriangle> triangles() const;
+  std::size_t bytes() const;
   bool areBound(Index i, Index j) const;
   /// m, at rest, between two particles that have lost their bond or were close without; infinite for others.
   double restDistance(Index i, Index j) const;
