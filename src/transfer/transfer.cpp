@@ -26,6 +26,9 @@ constexpr double kKernelReach = 1.1;
 // A slope along a direction is fitted if it multiplies errors of the displacements by at most this, per distance of the
 // farthest neighbour: their spread must be about a hundredth of that distance.
 constexpr double kMaxAmplification = 100.0;
+// The share of the dense points that are simulated from which on these move as they do. Below it the plane's smooth motion of all
+// points is worth more: single points would stand out.
+constexpr double kNearlyAll = 0.9;
 // Points per block of a parallel loop: a few milliseconds of work.
 constexpr Index kFitBlock = 1024;
 constexpr double kMostUnits = 9007199254740992.0;  // 2^53: beyond it a double is a whole number of units already
@@ -283,9 +286,9 @@ bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, con
       }
     }
 
-    // Where all points are simulated each moves as it does. Its slopes are still those of the plane.
+    // Where nearly all points are simulated each of these moves as it does. Its slopes are still those of the plane.
     const std::size_t nearest = std::min_element(distance.begin(), distance.begin() + count) - distance.begin();
-    if (num_usable_ == numDense() && distance[nearest] == 0.0) {
+    if (num_usable_ >= kNearlyAll * numDense() && distance[nearest] == 0.0) {
       value.fill(0.0);
       value[nearest] = 1.0;
     }

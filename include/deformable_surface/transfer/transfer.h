@@ -14,7 +14,8 @@ struct PassOutput;
 /// Departure from the paper: the height of a dense point over the plane fitted to its simulation points turns with the surface
 /// instead of keeping its direction in space. Rigid motions are then exact on curved surfaces too. The normal follows from
 /// the gradient rows instead of a new covariance analysis.
-/// As many simulation points as dense ones: a dense point at the place of one takes its displacement, not that of the plane.
+/// Nine or more simulation points for ten dense ones: a dense point at the place of one takes its displacement, not that of the
+/// plane.
 /// Degenerate neighbourhoods: if the projected neighbours are collinear the displacement is linear along their line and constant
 /// across. If they coincide or there is one, it is their weighted mean. Without neighbours the point stays. Weights are float
 /// (their error is 1e-7 of the displacement), positions double.

@@ -171,7 +171,8 @@ void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, Re
                             "are left: the others belong to no surface, or to no part "
                             "that is kept"));
   if (dropped > 0)
-    s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
+    s.notes.push_back("simulation points that belong to no surface, and ride along with the nearest ones without contact: " +
+                      std::to_string(dropped));
 }
 
 // Along the surface: the usable ones among the coarser points near each point of the level.
