@@ -67,7 +67,7 @@ void FrictionLoad::addForces(double time, const model::State& state, Points& for
   contact_.addSeconds(timer.seconds());
 }
 
-double FrictionLoad::storedEnergyAt(double time, const model::State& state) const {
+double FrictionLoad::energy(double time, const model::State& state) const {
   double sum = 0.0;
   forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch&, const Rub& rub) {
     sum += rub.law.storedEnergy(rub.stretch, rub.sliding, rub.slides);
@@ -76,7 +76,7 @@ double FrictionLoad::storedEnergyAt(double time, const model::State& state) cons
 }
 
 double FrictionLoad::estimateWork(double from, double to, const model::State& before, const model::State& after) const {
-  double work = std::max(0.0, storedEnergyAt(from, before) - storedEnergyAt(to, after));
+  double work = std::max(0.0, energy(from, before) - energy(to, after));
   const auto begin = [&](const tool::ToolParams& tool) { return std::pair(tool.friction, tool::findMotion(tool.path, from)); };
   contact_.forEachRubbingTouch(to, after.positions, begin, [&](const auto& body, const ContactLoad::Touch& touch) {
     work += body.first * touch.force.norm() * (to - from) * body.second.velocityAt(touch.position).norm();

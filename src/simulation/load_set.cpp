@@ -34,6 +34,12 @@ void LoadSet::choose() {
   if (self_contact->rubs()) acting_.push_back(&self_contact->friction);
 }
 
+double LoadSet::frictionEnergy(double time, const model::State& state) const {
+  const double on_tools = friction.isEmpty() ? 0.0 : friction.energy(time, state);
+  if (!self_contact || !self_contact->mayAct() || !self_contact->rubs()) return on_tools;
+  return on_tools + self_contact->contact.frictionEnergy(state.positions, state.velocities, state.self_friction);
+}
+
 void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index) {
   gravity.gravity = whole.gravity.gravity;
   anchors = whole.anchors;

@@ -38,6 +38,9 @@ class LoadSet {
   /// To be called after a load has become empty, or is no longer empty.
   void choose();
 
+  /// Of the springs by which points stick to tools and to the surface itself, at a time (s), J.
+  double frictionEnergy(double time, const model::State& state) const;
+
   /// Takes the loads of a larger surface: new_index (of its points) is the index here, or -1. Observed clouds are
   /// omitted: they keep the whole surface awake.
   void takePart(const LoadSet& whole, const std::vector<Index>& new_index);

@@ -30,7 +30,7 @@ void Simulation::Impl::measureState() {
   for (Index i = 0; i < state.size(); ++i) statistics.awake += !now.held()[i] && now.activity().isMoving(i);
   statistics.kinetic_energy = now.system().kineticEnergy(state);
   statistics.elastic_energy = model.elasticEnergy(state);
-  statistics.potential_energy = now.system().loadPotential(now.time(), state);
+  statistics.potential_energy = now.system().loadPotential(now.time(), state) + now.loads().frictionEnergy(now.time(), state);
   statistics.max_stretch = maxStretchOf(model, state);
   double squared_speed = 0.0;
   for (const Vec3& v : state.velocities) squared_speed = std::max(squared_speed, v.squaredNorm());

@@ -28,6 +28,8 @@ class FrictionLoad : public solve::ExternalLoad {
   /// Updates the places to which points stick.
   void remember(double time, model::State& state) const override;
 
+  /// Of the springs that hold sticking points, at a time (s), J.
+  double energy(double time, const model::State& state) const;
   /// Friction force on a touched point, N.
   Vec3 findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const;
 
@@ -52,7 +54,6 @@ class FrictionLoad : public solve::ExternalLoad {
   template <typename Visit>  // visit(rubbing, touch, rub)
   void forEachRub(double time, const model::State& state, const Visit& visit) const;
   Rub findRub(const Rubbing& body, const model::State& state, const ContactLoad::Touch& touch) const;
-  double storedEnergyAt(double time, const model::State& state) const;
 
   mutable std::vector<contact::BodyAnchor> next_;  // scratch
   const ContactLoad& contact_;
