@@ -496,19 +496,13 @@ double OrientedParticles::findStableStep(const State& state) const {
   const Index n = state.size(), num_blocks = (n + kBlock - 1) / kBlock;
   const ApartPotential apart = apartPotential();
   if (kept_) {
-    row_moves_.assign(n, 0.0);
-    row_turns_.assign(n, 0.0);
-    bonds_.addRowBounds(packed_, masses_, inertias_, row_moves_, row_turns_);
-    double most = 0.0;
-    for (Index i = 0; i < n; ++i) {
-      double& move = row_moves_[i];
-      forEachStranger(i, [&](Index j, double, double) {
-        move += 2.0 * apart.stiffness * (1.0 / masses_[i] + 1.0 / std::sqrt(masses_[i] * masses_[j]));
-      });
-      for (const NeighborList::Apart* j = lists_.beginApart(i); j != lists_.endApart(i); ++j)
-        move += 2.0 * apart.stiffness * (1.0 / masses_[i] + 1.0 / std::sqrt(masses_[i] * masses_[j->particle]));
-      most = std::max({most, move, row_turns_[i]});
-    }
+    row_bounds_.assign(n, 0.0);
+    addKeptBounds(kept_->inertia_by_mass, row_bounds_);
+    const double most = parallelMax(n, kBlock, [&](Index begin, Index end) {
+      double largest = 0.0;
+      for (Index i = begin; i < end; ++i) largest = std::max(largest, row_bounds_[i] / masses_[i]);
+      return largest;
+    });
     return most > 0.0 ? 2.0 / std::sqrt(most) : std::numeric_limits<double>::infinity();
   }
   row_maxima_.assign(num_blocks, 0.0);
@@ -533,22 +527,27 @@ double OrientedParticles::findStableStep(const State& state) const {
 
 void OrientedParticles::addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>&) const {
   if (!prepare(state)) return;
-  if (kept_) {
-    // With masses of one and normals that do not turn the bounds are those of the stiffness.
-    unit_masses_.assign(state.positions.size(), 1.0);
-    fixed_inertias_.assign(state.positions.size(), std::numeric_limits<double>::infinity());
-    row_turns_.assign(state.positions.size(), 0.0);
-    bonds_.addRowBounds(packed_, unit_masses_, fixed_inertias_, stiffness, row_turns_);
-    for (Index i = 0; i < state.size(); ++i)
-      forEachStranger(i, [&](Index, double, double) { stiffness[i] += 4.0 * apartPotential().stiffness; });
-  }
+  // Normals that do not turn have an infinite inertia.
+  if (kept_) return addKeptBounds(std::numeric_limits<double>::infinity(), stiffness);
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
-    if (!kept_) addStiffness(begin, end, [&](Index i, const PairStiffness& k) { stiffness[i] += 2.0 * k.x; });
+    addStiffness(begin, end, [&](Index i, const PairStiffness& k) { stiffness[i] += 2.0 * k.x; });
     for (Index i = begin; i < end; ++i)
       forEachParted(i, [&](double d) { stiffness[i] += 2.0 * boundContactStiffness(lattice_.pair, d); });
     if (!lists_.hasApart()) return;
     const ApartPotential apart = apartPotential();
     for (Index i = begin; i < end; ++i) stiffness[i] += 4.0 * apart.stiffness * countApart(apart, lists_, packed_, i);
+  });
+}
+
+// Of kept bonds and of the repulsion of strangers; as PresentBonds::addRowBounds().
+void OrientedParticles::addKeptBounds(double inertia_by_mass, std::vector<double>& bounds) const {
+  bonds_.addRowBounds(packed_, inertia_by_mass, bounds);
+  const ApartPotential apart = apartPotential();
+  parallelFor(static_cast<Index>(bounds.size()), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      forEachStranger(i, [&](Index, double, double) { bounds[i] += 4.0 * apart.stiffness; });
+      if (lists_.hasApart()) bounds[i] += 4.0 * apart.stiffness * countApart(apart, lists_, packed_, i);
+    }
   });
 }
 
@@ -628,8 +627,7 @@ std::size_t OrientedParticles::bytes() const {
   std::size_t numbers = masses_.capacity() + inertias_.capacity() + strain_.capacity();
   for (const std::vector<double>* packed : {&packed_.places, &packed_.normals, &packed_.curvatures})
     numbers += packed->capacity();
-  for (const std::vector<double>* rows : {&row_maxima_, &row_moves_, &row_turns_, &unit_masses_, &fixed_inertias_})
-    numbers += rows->capacity();
+  for (const std::vector<double>* rows : {&row_maxima_, &row_bounds_}) numbers += rows->capacity();
   const std::size_t vectors = torques_.capacity() + normals_.capacity() + rest_curvatures_.capacity();
   return lists_.bytes() + partners_.bytes() + cuts_.bytes() + bonds_.bytes() + (kept_ ? kept_->bytes() : 0) +
          numbers * sizeof(double) + vectors * sizeof(Vec3) + has_flowed_.capacity() +

@@ -62,7 +62,7 @@ class PresentBonds {
   void update(const KeptBonds& kept, const std::vector<ParticleTraits>& traits, const ParticleCuts& cuts);
 
   const std::vector<KeptBonds::Bond>& bonds() const { return bonds_; }
-  std::vector<WeightedTriangle> triangles() const;
+  const std::vector<WeightedTriangle>& triangles() const { return triangles_; }
   std::size_t bytes() const;
   bool areBound(Index i, Index j) const;
   /// m, at rest, between two particles that have lost their bond or were close without; infinite for others.
@@ -75,32 +75,32 @@ class PresentBonds {
   void addForces(const PackedParticles& particles, Points& forces, Points& torques) const;
   /// J. Parallel.
   double findEnergy(const PackedParticles& particles) const;
-  /// Adds to moves and turns (n), 1/s^2, bounds of the rows of the stiffness, scaled by the roots of masses (kg) and inertias (kg
-  /// m^2).
-  void addRowBounds(const PackedParticles& particles, const std::vector<double>& masses, const std::vector<double>& inertias,
-                    std::vector<double>& moves, std::vector<double>& turns) const;
+  /// Adds to bounds (n), N/m: the stiffness K is at most the diagonal matrix of the bounds, times inertia_by_mass (m^2) for
+  /// orientations. If that of each triangle t alone is at most r_t times the identity of its corners, then the bound of a
+  /// particle is the sum of r_t over its triangles. K of a triangle is G^T S G, with the gradients G of its three e, c and s and
+  /// their stiffness S, and slopes of energy times second derivatives. The eigenvalues of the first are those of S G G^T, and the
+  /// largest is at most the eighth root of the trace of the eighth power. Norms bound the others. What softens is left out, but
+  /// for a stretched bond along itself. Parallel.
+  void addRowBounds(const PackedParticles& particles, double inertia_by_mass, std::vector<double>& bounds) const;
+
+  /// Four triangles as the loops read them; e, c and s are those of the edges from corner to corner.
+  struct FourTriangles {
+    Index corner[3][4];
+    double length[3][4], curve[3][4], height[3][4];  // m
+    double shearing[3][4];                           // N/m: a bond shares S among its triangles
+    double stretching[6][4], bending[6][4];          // A M, A B: 00, 11, 22, 12, 02, 01; zero: there is no triangle
+  };
 
  private:
-  // A bond in a state; slopes are those of the energy.
-  struct Deformed {
-    Vec3 r, ni, nj;
-    double distance, strain, curvature, shear;
-    double strength, smooth;  // factors of stretching and of the rest
-    Vec3 by_r;                // N
-    double by_ui, by_uj;      // N
-  };
-  struct Slopes {
-    double by_strain[3], by_curvature[3];
-  };
-  void deform(const PackedParticles& particles) const;
+  void arrange(const std::vector<KeptBonds::Triangle>& triangles, const std::vector<double>& num_sides);
 
   std::vector<KeptBonds::Bond> bonds_;  // by present numbers
-  std::vector<KeptBonds::Triangle> triangles_;
-  std::vector<KeptBonds::Close> unbound_;         // those that have lost their bond too; by i, then j
-  std::vector<Index> begins_, others_, numbers_;  // of each particle: the others and its bonds
-  std::vector<Index> side_begins_, sides_;        // of each bond: 3 t + edge of its triangles
-  mutable std::vector<Deformed> deformed_;        // scratch, by bonds
-  mutable std::vector<Slopes> slopes_;            // and by triangles
+  std::vector<WeightedTriangle> triangles_;
+  std::vector<FourTriangles> fours_;
+  std::vector<KeptBonds::Close> unbound_;                 // those that have lost their bond too; by i, then j
+  std::vector<Index> begins_, others_;                    // of each particle: the others
+  std::vector<Index> corner_begins_, corners_;            // of each particle: 3 t + corner
+  mutable std::vector<double> pushes_, triangle_bounds_;  // scratch: 20 of each triangle; one
 };
 
 }  // namespace deformable_surface::model

@@ -95,7 +95,8 @@ class OrientedParticles : public DeformableModel,
   bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
   /// A part of the present particles, which must have distinct ids. It has no births and starts no state.
   Part makePart(const std::vector<char>& wanted) const override;
-  /// From Gershgorin's bound of the stiffness at the state, including orientations. A function of the state alone.
+  /// From a bound of the stiffness at the state, including orientations: Gershgorin's, or that of kept bonds. A function of the
+  /// state alone.
   double findStableStep(const State& state) const override;
   /// Relative to a flat sheet of as many particles without edges: an edge costs the energy of its missing bonds.
   double elasticEnergy(const State& state) const override;
@@ -137,6 +138,7 @@ class OrientedParticles : public DeformableModel,
   double areaOf(const ParticleTraits& traits) const;
   template <class Take>
   void forEachStranger(Index i, const Take& take) const;
+  void addKeptBounds(double inertia_by_mass, std::vector<double>& bounds) const;
   std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
   void forEachNear(Index i, double distance, const Take& take) const;
@@ -167,7 +169,7 @@ class OrientedParticles : public DeformableModel,
   bool has_partners_ = true;  // false: unknown, and all are partners
   mutable PackedParticles packed_;
   mutable Points torques_;
-  mutable std::vector<double> strain_, row_maxima_, row_moves_, row_turns_, unit_masses_, fixed_inertias_;
+  mutable std::vector<double> strain_, row_maxima_, row_bounds_;
   mutable std::vector<char> has_flowed_;
   mutable ParticleCuts::Scratch cut_scratch_;
 };

@@ -1,0 +1,171 @@
+// Bounds of the stiffness of kept bonds, four triangles at once.
+#include "deformable_surface/base/parallel.h"
+#include "kept_triangles.h"
+
+#include <cmath>
+
+namespace deformable_surface::model {
+namespace {
+
+constexpr Index kBlock = 256;
+constexpr Index kFours = kBlock / 4;
+constexpr int kStrains = 9;  // three e, c and s
+
+DEFORMABLE_SURFACE_INLINE void cross(const Double4* a, const Double4* b, Double4* product) {
+  product[0] = a[1] * b[2] - a[2] * b[1];
+  product[1] = a[2] * b[0] - a[0] * b[2];
+  product[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+DEFORMABLE_SURFACE_INLINE void dot(const Double4* a, const Double4* b, Double4& product) {
+  product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// G M^-1 G^T with masses of one, rows and columns e, c, s by edges.
+DEFORMABLE_SURFACE_INLINE void multiplyGradients(const PresentBonds::FourTriangles& t, const DeformedTriangles& d,
+                                                 double by_inertia, Double4 (&product)[kStrains][kStrains]) {
+  Double4 moved[3][3][3], area[3];                // of strain, edge: by the place of the last end; 1 / l^2
+  Double4 turned_first[3][3], turned_last[3][3];  // of u by turning the normals at both ends
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3;
+    Double4 length;
+    load(t.length[a], length);
+    area[a] = 1.0 / (length * length);
+    for (int x = 0; x < 3; ++x) {
+      moved[0][a][x] = d.r[a][x] * d.inverse[a] / length;
+      moved[1][a][x] = (d.normal[b][x] - d.normal[a][x]) * area[a];
+      moved[2][a][x] = 0.5 * (d.normal[a][x] + d.normal[b][x]);
+    }
+    cross(d.normal[a], d.r[a], turned_first[a]);
+    cross(d.normal[b], d.r[a], turned_last[a]);
+  }
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3;
+    for (int p = 0; p < 3; ++p)
+      for (int q = 0; q < 3; ++q) {
+        Double4 same, next;
+        dot(moved[p][a], moved[q][a], same);
+        dot(moved[p][a], moved[q][b], next);
+        product[3 * p + a][3 * q + a] = 2.0 * same;
+        product[3 * p + a][3 * q + b] = product[3 * q + b][3 * p + a] = -next;
+      }
+    Double4 first, last, next;
+    dot(turned_first[a], turned_first[a], first);
+    dot(turned_last[a], turned_last[a], last);
+    dot(turned_last[a], turned_first[b], next);
+    first *= by_inertia;
+    last *= by_inertia;
+    next *= by_inertia;
+    product[3 + a][3 + a] += (first + last) * area[a] * area[a];
+    product[6 + a][6 + a] += 0.25 * (first + last);
+    const Double4 mixed = 0.5 * (last - first) * area[a];
+    product[3 + a][6 + a] += mixed;
+    product[6 + a][3 + a] += mixed;
+    // The normal between the two edges is at the last end of one and at the first of the other.
+    const Double4 by_c = -next * area[b], by_s = 0.5 * next;  // times 1 / l^2 or 1/2 of the first
+    product[3 + a][3 + b] += by_c * area[a];
+    product[3 + a][6 + b] += by_s * area[a];
+    product[6 + a][3 + b] += 0.5 * by_c;
+    product[6 + a][6 + b] += 0.5 * by_s;
+    for (int p = 1; p < 3; ++p)
+      for (int q = 1; q < 3; ++q) product[3 * q + b][3 * p + a] = product[3 * p + a][3 * q + b];
+  }
+}
+
+// S G M^-1 G^T. tension: of bonds, N/m, which acts in all directions and is not counted along the bond again.
+DEFORMABLE_SURFACE_INLINE void multiplyStiffness(const PresentBonds::FourTriangles& t, const DeformedTriangles& d,
+                                                 const Double4* tension, const Double4 (&gradients)[kStrains][kStrains],
+                                                 Double4 (&product)[kStrains][kStrains]) {
+  for (int q = 0; q < kStrains; ++q) {
+    const Double4 e[3] = {gradients[0][q], gradients[1][q], gradients[2][q]};
+    const Double4 c[3] = {gradients[3][q], gradients[4][q], gradients[5][q]};
+    Double4 by_e[3], by_c[3];
+    multiply(t.stretching, d.held, e, by_e);
+    multiply(t.bending, d.smooth, c, by_c);
+    for (int a = 0; a < 3; ++a) {
+      Double4 length;
+      load(t.length[a], length);
+      product[a][q] = by_e[a] - tension[a] * length * length * e[a];
+      product[3 + a][q] = by_c[a];
+      product[6 + a][q] = d.shearing[a] * gradients[6 + a][q];
+    }
+  }
+}
+
+// A bound of the absolute eigenvalues of a matrix with real ones: the eighth root of the trace of the eighth power. It is exact
+// if one is much larger than the others, and too large by 1.32 if all nine are equal.
+DEFORMABLE_SURFACE_INLINE void boundEigenvalue(Double4 (&matrix)[kStrains][kStrains], Double4& bound) {
+  const Double4 zero = matrix[0][0] - matrix[0][0], one = zero + 1.0;
+  Double4 scale = zero;
+  for (int p = 0; p < kStrains; ++p) scale += matrix[p][p] > zero ? matrix[p][p] : -matrix[p][p];
+  const Double4 shrink = (scale > zero ? one : zero) / (scale > zero ? scale : one);
+  for (int p = 0; p < kStrains; ++p)
+    for (int q = 0; q < kStrains; ++q) matrix[p][q] *= shrink;
+  Double4 square[kStrains][kStrains], trace = zero;
+  for (int p = 0; p < kStrains; ++p)
+    for (int q = 0; q < kStrains; ++q) {
+      square[p][q] = matrix[p][0] * matrix[0][q];
+      for (int k = 1; k < kStrains; ++k) square[p][q] += matrix[p][k] * matrix[k][q];
+    }
+  for (int p = 0; p < kStrains; ++p)
+    for (int q = 0; q < kStrains; ++q) {
+      matrix[p][q] = square[p][0] * square[0][q];
+      for (int k = 1; k < kStrains; ++k) matrix[p][q] += square[p][k] * square[k][q];
+    }
+  for (int p = 0; p < kStrains; ++p)
+    for (int q = 0; q < kStrains; ++q) trace += matrix[p][q] * matrix[q][p];
+  for (int k = 0; k < 3; ++k) takeRoots(trace);
+  bound = scale * trace;
+}
+
+// The largest eigenvalue of three bonds with a tension in all directions, from the trace and the sum of minors: one of the three
+// is zero.
+DEFORMABLE_SURFACE_INLINE void findOfTension(const Double4* tension, Double4& largest) {
+  const Double4 sum = tension[0] + tension[1] + tension[2], zero = sum - sum;
+  Double4 root = sum * sum - 3.0 * (tension[0] * tension[1] + tension[1] * tension[2] + tension[2] * tension[0]);
+  root = root > zero ? root : zero;
+  takeRoots(root);
+  largest = sum + root;
+}
+
+DEFORMABLE_SURFACE_WIDE
+void boundTriangles(const PackedParticles& particles, const PresentBonds::FourTriangles* fours, double by_inertia, Index begin,
+                    Index end, double* bounds) {
+  const double by_both = std::sqrt(2.0 * by_inertia);
+  for (Index k = begin; k < end; ++k) {
+    const PresentBonds::FourTriangles& t = fours[k];
+    DeformedTriangles d;
+    deform(particles, t, d);
+    const Double4 zero = d.e[0] - d.e[0];
+    Double4 tension[3], by_slopes = zero;
+    for (int a = 0; a < 3; ++a) {
+      Double4 length;
+      load(t.length[a], length);
+      const Double4 pull = d.by_e[a] / length * d.inverse[a], bent = d.by_c[a] / (length * length), sheared = 0.5 * d.by_s[a];
+      tension[a] = pull > zero ? pull : zero;
+      const Double4 by_first = sheared - bent, by_last = sheared + bent;
+      const Double4 slopes = (by_first > zero ? by_first : -by_first) + (by_last > zero ? by_last : -by_last);
+      by_slopes += slopes * (by_both + length * (d.e[a] + 1.0) * by_inertia);  // turned and moved, and turned twice
+    }
+    Double4 gradients[kStrains][kStrains], matrix[kStrains][kStrains], stretched, by_tension;
+    multiplyGradients(t, d, by_inertia, gradients);
+    multiplyStiffness(t, d, tension, gradients, matrix);
+    boundEigenvalue(matrix, stretched);
+    findOfTension(tension, by_tension);
+    store(stretched + by_tension + by_slopes, bounds + 4 * static_cast<std::ptrdiff_t>(k));
+  }
+}
+
+}  // namespace
+
+void PresentBonds::addRowBounds(const PackedParticles& particles, double inertia_by_mass, std::vector<double>& bounds) const {
+  parallelFor(static_cast<Index>(fours_.size()), kFours, [&](Index begin, Index end) {
+    boundTriangles(particles, fours_.data(), 1.0 / inertia_by_mass, begin, end, triangle_bounds_.data());
+  });
+  parallelFor(static_cast<Index>(bounds.size()), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      for (Index k = corner_begins_[i]; k < corner_begins_[i + 1]; ++k) bounds[i] += triangle_bounds_[corners_[k] / 3];
+  });
+}
+
+}  // namespace deformable_surface::model
