@@ -67,9 +67,9 @@ Index selectWithin(const double* places, Index begin, Index end, const double* p
 
 bool NeighborList::update(const Points& positions, const std::vector<ParticleTraits>& traits, const ParticleCuts& cuts) {
   bool is_finite = true;
-  const bool moved = hasMovedFar(positions, is_finite);
+  const bool has_approached = hasApproached(positions, is_finite);
   if (!is_finite) return is_valid_ = false;
-  if (is_valid_ && !moved) return true;
+  if (!has_approached) return true;
   is_valid_ = false;  // an interrupt may end the following work
   const Index n = static_cast<Index>(positions.size());
   cell_ = kEdge * (radius_ + skin_);
@@ -85,17 +85,16 @@ bool NeighborList::update(const Points& positions, const std::vector<ParticleTra
   sortIntoBins(positions);
   is_valid_ = listNeighbors(positions, traits, cuts);
   rebuilt_at_ = positions;
+  tree_.renew(positions);
   ++num_rebuilds_;
   return is_valid_;
 }
 
-// Pairs approach each other by the difference of their displacements. So displacements count from the middle of the box around
-// all of them: a surface that moves as a whole needs no new lists, and one that is held somewhere needs half as many.
-bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) {
+// Pairs approach each other by the difference of their displacements: a surface that moves as a whole needs no new lists.
+bool NeighborList::hasApproached(const Points& positions, bool& is_finite) {
   const Index n = static_cast<Index>(positions.size()), num_blocks = (n + kBlock - 1) / kBlock;
   const bool same_number = positions.size() == rebuilt_at_.size();
-  constexpr Index kGroups = 2;
-  ranges_.resize((1 + 2 * kGroups) * num_blocks);
+  ranges_.resize(num_blocks);
   const auto extend = [](const Vec3& low, const Vec3& high, Range& range) {
     range.low = range.low.cwiseMin(low);
     range.high = range.high.cwiseMax(high);
@@ -111,44 +110,14 @@ bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) {
     }
   });
   Range all;
-  for (Index block = 0; block < num_blocks; ++block) {
-    all.is_finite = all.is_finite && ranges_[block].is_finite;
-    extend(ranges_[block].low, ranges_[block].high, all);
+  for (const Range& range : ranges_) {
+    all.is_finite = all.is_finite && range.is_finite;
+    extend(range.low, range.high, all);
   }
   is_finite = all.is_finite;
-  if (!is_finite || !same_number) return true;
-  const double most = 0.25 * skin_ * skin_;
-  if (n == 0 || 0.25 * (all.high - all.low).squaredNorm() <= most) return false;
-  // The box is larger than the ball that holds all displacements.
-  const Vec3 middle = 0.5 * (all.low + all.high);
-  const double far = parallelSum(n, kBlock, [&](Index begin, Index end) {
-    double count = 0.0;
-    for (Index i = begin; i < end; ++i) count += !((positions[i] - rebuilt_at_[i] - middle).squaredNorm() <= most);
-    return count;
-  });
-  if (!(far > 0.0)) return false;
-  // Two groups, such as a piece that falls and the rest in its clamps, need no new lists while each moves as a whole and no pair
-  // of both is within the radius. They are told by the middle of the longest edge of the box.
-  int axis;
-  (all.high - all.low).maxCoeff(&axis);
-  Range* const groups = ranges_.data() + num_blocks;  // of each block: displacements of the groups, then their places
-  parallelFor(n, kBlock, [&](Index begin, Index end) {
-    Range* const ranges = groups + 2 * kGroups * (begin / kBlock);
-    std::fill_n(ranges, 2 * kGroups, Range());
-    for (Index i = begin; i < end; ++i) {
-      const Vec3 move = positions[i] - rebuilt_at_[i];
-      const Index group = move[axis] > middle[axis] ? 1 : 0;
-      extend(move, move, ranges[group]);
-      extend(positions[i], positions[i], ranges[kGroups + group]);
-    }
-  });
-  Range both[2 * kGroups];
-  for (Index k = 0; k < 2 * kGroups * num_blocks; ++k) extend(groups[k].low, groups[k].high, both[k % (2 * kGroups)]);
-  for (Index group = 0; group < kGroups; ++group)
-    if (!((both[group].high - both[group].low).squaredNorm() <= skin_ * skin_)) return true;
-  const Range &first = both[kGroups], &second = both[kGroups + 1];
-  const Vec3 gap = (second.low - first.high).cwiseMax(first.low - second.high).cwiseMax(0.0);
-  return !(gap.squaredNorm() > radius_ * radius_);
+  if (!is_finite || !same_number || !is_valid_) return true;
+  if (n == 0 || (all.high - all.low).squaredNorm() <= skin_ * skin_) return false;
+  return !tree_.holds(rebuilt_at_, positions, {radius_, radius_ + skin_, skin_, apart_.items.empty()});
 }
 
 NeighborList::Cell NeighborList::cellOf(const Vec3& p) const {
@@ -285,8 +254,8 @@ std::size_t NeighborList::bytes() const {
   for (const auto* blocks : {&blocks_, &parted_})
     for (const std::vector<Index>& block : *blocks) sum += block.capacity() * sizeof(Index);
   for (const std::vector<Apart>& block : near_apart_) sum += block.capacity() * sizeof(Apart);
-  sum += apart_ranges_.capacity() * sizeof(double);
-  return sum;
+  sum += apart_ranges_.capacity() * sizeof(double) + ranges_.capacity() * sizeof(Range);
+  return sum + tree_.bytes();
 }
 
 }  // namespace deformable_surface::model

@@ -13,7 +13,8 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 256;
-constexpr double kSkin = 0.3;  // of the distance r0: a good trade between listing too much and listing too often
+constexpr double kSkin = 0.3;      // of the distance r0: a good trade between listing too much and listing too often
+constexpr double kKeptSkin = 0.6;  // the same with kept bonds, where few of those listed cost anything
 // Of the spacing: particles that are kept apart repel below it. Far below the distance of neighbours, as side by side they are in
 // one lattice; the energy of two in one place is then several times that of a bond.
 constexpr double kApart = 0.5;
@@ -129,6 +130,9 @@ double OrientedParticles::areaOf(const ParticleTraits& traits) const {
 void OrientedParticles::keepBonds(const State& state, const std::vector<WeightedTriangle>& triangles, std::vector<double> areas) {
   const auto kept = std::make_shared<KeptBonds>(state, triangles, std::move(areas), material_, params_);
   kept_ = kept;
+  // Strangers repel below r0. Axes see all within the cutoff.
+  const double radius = params_.axis_alignment_rate > 0.0 ? lattice_.pair.cutoff : lattice_.pair.distance;
+  for (NeighborList* lists : {&lists_, &partners_}) lists->setRadius(radius, kKeptSkin * lattice_.pair.distance);
   adopt(state);
   if (!prepare(state)) return;
   for (Index i = 0; i < state.size(); ++i)
@@ -173,15 +177,31 @@ ParticleCuts::Pairs OrientedParticles::findBroken(const State& state) const {
   return pairs;
 }
 
+// The listed pairs that have no bond.
+void OrientedParticles::listStrangers() const {
+  stranger_begins_.clear();
+  strangers_.clear();
+  for (Index i = 0; i < static_cast<Index>(masses_.size()); ++i) {
+    stranger_begins_.push_back(static_cast<Index>(strangers_.size()));
+    for (const Index* j = lists_.begin(i); j != lists_.end(i); ++j)
+      if (!bonds_.areBound(i, *j)) strangers_.push_back(*j);
+  }
+  stranger_begins_.push_back(static_cast<Index>(strangers_.size()));
+}
+
 // Calls take(j, d, c) for the particles to which i has no bond and that are nearer than c, m: than those of a lattice at rest, or
 // than they were at rest if they were nearer or had one. They repel with the energy of ApartPotential.
 template <class Take>
 void OrientedParticles::forEachStranger(Index i, const Take& take) const {
-  forEachNear(i, lattice_.pair.distance, [&](Index j, double d) {
-    if (bonds_.areBound(i, j)) return;
-    const double c = std::min(lattice_.pair.distance, bonds_.restDistance(i, j));
+  const Eigen::Map<const Vec3> p(packed_.place(i));
+  const double most = lattice_.pair.distance;
+  for (Index k = stranger_begins_[i]; k < stranger_begins_[i + 1]; ++k) {
+    const Index j = strangers_[k];
+    const double squared = (Eigen::Map<const Vec3>(packed_.place(j)) - p).squaredNorm();
+    if (!(squared < most * most)) continue;
+    const double d = std::sqrt(squared), c = std::min(most, bonds_.restDistance(i, j));
     if (d < c) take(j, d, c);
-  });
+  }
 }
 
 void OrientedParticles::setCuts(const ParticleCuts& cuts) {
@@ -213,10 +233,10 @@ double OrientedParticles::coolDown(double temperature, double time) const {
 // Updates lists and copies for this state; false if forces cannot be computed.
 bool OrientedParticles::prepare(const State& state) const {
   if (!lists_.update(state.positions, state.traits, kept_ ? ParticleCuts() : cuts_)) return false;
-  if (kept_ && !has_bonds_) {
-    bonds_.update(*kept_, state.traits, cuts_);
-    has_bonds_ = true;
-  }
+  if (kept_ && !has_bonds_) bonds_.update(*kept_, state.traits, cuts_);
+  if (kept_ && (!has_bonds_ || strangers_of_ != lists_.numRebuilds())) listStrangers();
+  has_bonds_ = true;
+  strangers_of_ = lists_.numRebuilds();
   const Index n = state.size();
   packed_.places.resize(4 * static_cast<std::size_t>(n));
   packed_.normals.resize(4 * static_cast<std::size_t>(n));
@@ -629,8 +649,9 @@ std::size_t OrientedParticles::bytes() const {
     numbers += packed->capacity();
   for (const std::vector<double>* rows : {&row_maxima_, &row_bounds_}) numbers += rows->capacity();
   const std::size_t vectors = torques_.capacity() + normals_.capacity() + rest_curvatures_.capacity();
+  const std::size_t indices = strangers_.capacity() + stranger_begins_.capacity();
   return lists_.bytes() + partners_.bytes() + cuts_.bytes() + bonds_.bytes() + (kept_ ? kept_->bytes() : 0) +
-         numbers * sizeof(double) + vectors * sizeof(Vec3) + has_flowed_.capacity() +
+         numbers * sizeof(double) + indices * sizeof(Index) + vectors * sizeof(Vec3) + has_flowed_.capacity() +
          links_.capacity() * sizeof(std::pair<Index, Index>) + triangles_.capacity() * sizeof(WeightedTriangle);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/oriented_particles/approach_tree.h"
 #include "deformable_surface/model/oriented_particles/particle_cuts.h"
 
 #include <limits>
@@ -10,9 +11,9 @@
 
 namespace deformable_surface::model {
 
-/// Lists of all others within a radius plus a skin [Verlet 1967], rebuilt only when some particle has moved more than half the
-/// skin since, apart from a translation of all or, where there are two groups out of reach of each other, of each. Cells are
-/// sorted by a hash of their place [Teschner 2003], so that empty space costs nothing however far particles fly.
+/// Lists of all others within a radius plus a skin [Verlet 1967], rebuilt only when two particles have come within the radius
+/// that were out of reach, or when this would be as costly to tell. Cells are sorted by a hash of their place [Teschner 2003], so
+/// that empty space costs nothing however far particles fly.
 class NeighborList {
  public:
   /// Particles with more neighbours than this are refused: such a heap of particles is no surface.
@@ -49,7 +50,7 @@ class NeighborList {
     apart_ranges_ = std::move(ranges);
     forget();
   }
-  /// m, the distance that a particle may move relative to the middle of all, or of its group, before lists are rebuilt.
+  /// m, the distance that every particle may move before lists may have to be rebuilt.
   double margin() const { return 0.5 * skin_; }
   /// The particles have changed: the next update rebuilds the lists.
   void forget() { is_valid_ = false; }
@@ -87,14 +88,14 @@ class NeighborList {
     std::int64_t x, y, z;
   };
 
-  // Bounds of displacements since the last rebuild, or of places, m.
+  // Bounds of displacements since the last rebuild, m.
   struct Range {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
     bool is_finite = true;
   };
 
-  bool hasMovedFar(const Points& positions, bool& is_finite);
+  bool hasApproached(const Points& positions, bool& is_finite);
   Cell cellOf(const Vec3& p) const;
   Index findBin(std::uint64_t row, std::int64_t x) const;
   void sortIntoBins(const Points& positions);
@@ -117,7 +118,8 @@ class NeighborList {
   std::vector<Index> bins_, starts_;                  // of each particle; (number of bins + 1) into slots_
   std::vector<Slot> slots_;                           // (n) by bin, then by index
   Index mask_ = 0;                                    // number of bins - 1, a power of two less one
-  std::vector<Range> ranges_;                         // by block; then of two groups in each, displacements and places
+  std::vector<Range> ranges_;                         // of displacements, by block
+  ApproachTree tree_;
   Index num_rebuilds_ = 0;
 };
 

@@ -136,6 +136,7 @@ class OrientedParticles : public DeformableModel,
   bool prepare(const State& state) const;
   ApartPotential apartPotential() const;
   double areaOf(const ParticleTraits& traits) const;
+  void listStrangers() const;
   template <class Take>
   void forEachStranger(Index i, const Take& take) const;
   void addKeptBounds(double inertia_by_mass, std::vector<double>& bounds) const;
@@ -165,8 +166,10 @@ class OrientedParticles : public DeformableModel,
   mutable PresentBonds bonds_;
   mutable bool has_bonds_ = false;  // they are those of the population
   mutable NeighborList lists_;
-  NeighborList partners_;     // for parts of the surface
-  bool has_partners_ = true;  // false: unknown, and all are partners
+  mutable std::vector<Index> strangers_, stranger_begins_;  // of each particle: those near it without a bond, with kept bonds
+  mutable Index strangers_of_ = 0;                          // the number of rebuilds of the lists that they are of
+  NeighborList partners_;                                   // for parts of the surface
+  bool has_partners_ = true;                                // false: unknown, and all are partners
   mutable PackedParticles packed_;
   mutable Points torques_;
   mutable std::vector<double> strain_, row_maxima_, row_bounds_;

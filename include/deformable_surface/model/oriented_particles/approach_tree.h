@@ -1,0 +1,54 @@
+// Whether lists of neighbours still hold every near pair: a tree of boxes, which tells it without looking at all pairs.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+#include <vector>
+
+namespace deformable_surface::model {
+
+/// A binary tree over particles, halved along the longest edge of the box around each part, with up to eight in a leaf.
+class ApproachTree {
+ public:
+  /// The lists are new. places: (n), finite. O(n log n) if the number has changed or the last answer took too long. Else the tree
+  /// stays as it was: of other places it is slower, not wrong.
+  void renew(const Points& places);
+  Index size() const { return static_cast<Index>(order_.size()); }
+
+  struct Lengths {
+    double radius;               // m: pairs nearer than this now must be listed
+    double reach;                // m: pairs nearer than this then are listed
+    double skin;                 // m: pairs that have moved against each other by less hold in any case
+    bool is_listed_by_distance;  // else only the skin counts
+  };
+  /// then, now: (n). Whether every pair nearer than the radius now was within reach then. False also once the calls since
+  /// forget() have taken half as long as making the lists anew: it is faster while they are new. Boxes in parallel; allocates
+  /// nothing after build().
+  bool holds(const Points& then, const Points& now, const Lengths& lengths);
+
+  std::size_t bytes() const;
+
+ private:
+  static constexpr Index kLeaf = 8;
+  struct Box {
+    double low[4], high[4], least_move[4], most_move[4];  // m; x, y, z, 0
+  };
+  struct Leaf {
+    double x[kLeaf], y[kLeaf], z[kLeaf];  // m, now; x is NaN where there is no particle
+    Index particle[kLeaf], count;
+  };
+  class Search;
+  void build(const Points& places);
+  static bool runWide(Search& search, Index most);
+  Index beginOf(Index leaf) const;
+  void fill(const Points& then, const Points& now, Index leaf);
+
+  std::vector<Index> order_;  // (n)
+  Index num_leaves_ = 0;      // a power of two
+  std::vector<Box> boxes_;    // 1: the root; 2 k and 2 k + 1: the halves of k; the last num_leaves_: the leaves
+  std::vector<Leaf> leaves_;
+  Index visited_ = 0;  // pairs of boxes since the lists are new
+  bool is_slow_ = false;
+};
+
+}  // namespace deformable_surface::model
