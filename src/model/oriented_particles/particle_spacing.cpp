@@ -1,0 +1,84 @@
+// The spacing of the particles and of the lattice, and bonds for each particle.
+#include "deformable_surface/base/parallel.h"
+#include "particle_loops.h"
+
+#include <cmath>
+
+namespace deformable_surface::model {
+namespace {
+
+using particles::kBlock;
+using particles::kSkin;
+
+}  // namespace
+
+double OrientedParticles::findSpacing(double area, Index n) { return std::sqrt(2.0 * area / (std::sqrt(3.0) * n)); }
+
+double OrientedParticles::findSpacingWithoutTension(const State& state) const {
+  constexpr int kHalvings = 30;  // to a billionth
+  lists_.forget();               // they then hold all within the cutoff and the skin
+  if (!prepare(state)) return lattice_.spacing;
+  // In a lattice larger by a factor, pairs interact as they do here at distances smaller by it.
+  const auto pulls = [&](double factor) {
+    return parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
+             double sum = 0.0;
+             for (Index i = begin; i < end; ++i)
+               forEachNear(i, factor * lattice_.pair.cutoff, [&](Index, double distance) {
+                 const double d = distance / factor;
+                 if (!(d > 0.0)) return;
+                 double on, on_slope, value, slope;
+                 switchOff(lattice_.pair, d, on, on_slope);
+                 evaluateLennardJones(lattice_.pair, d, 1.0 / d, on, on_slope, value, slope);
+                 sum += d * slope;
+               });
+             return sum;
+           }) > 0.0;
+  };
+  double high = 1.0 + kSkin * lattice_.pair.distance / lattice_.pair.cutoff, low = 1.0 / high;
+  if (!pulls(low) || pulls(high)) return lattice_.spacing;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    (pulls(middle) ? low : high) = middle;
+  }
+  return 0.5 * (low + high) * lattice_.spacing;
+}
+
+double OrientedParticles::measureSpacing(const State& state) const {
+  refreshDisplay(state);
+  double area = 0.0, count = 0.0;
+  for (const WeightedTriangle& t : triangles_) {
+    const Vec3 &a = state.positions[t.corner[0]], &b = state.positions[t.corner[1]], &c = state.positions[t.corner[2]];
+    area += 0.5 * t.weight * (b - a).cross(c - a).norm();
+    count += t.weight;
+  }
+  return count > 0.0 ? std::sqrt(4.0 * area / (std::sqrt(3.0) * count)) : 0.0;
+}
+
+void OrientedParticles::setSpacing(double spacing) {
+  lattice_ = calibrateLattice(spacing, material_, params_);
+  mass_ = material_.arealDensity() * lattice_.area_per_particle;
+  for (NeighborList* lists : {&lists_, &partners_}) lists->setRadius(lattice_.pair.cutoff, kSkin * lattice_.pair.distance);
+}
+
+double OrientedParticles::meanBonds(const State& state) const {
+  if (state.size() == 0 || !prepare(state)) return 0.0;
+  if (kept_) return 2.0 * static_cast<double>(bonds_.bonds().size()) / static_cast<double>(state.size());
+  const double sum = parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
+    double count = 0.0;
+    for (Index i = begin; i < end; ++i) forEachNear(i, lattice_.pair.cutoff, [&](Index, double) { count += 1.0; });
+    return count;
+  });
+  return sum / static_cast<double>(state.size());
+}
+
+double OrientedParticles::latticeBonds() const {
+  const double most = std::pow(lattice_.pair.cutoff / lattice_.spacing, 2);
+  constexpr int kFar = 6;  // rows: the longest cutoff is four distances
+  int count = -1;          // without itself
+  const int rows = params_.mode == ParticleMode::kPlane ? 0 : kFar;
+  for (int i = -kFar; i <= kFar; ++i)
+    for (int j = -rows; j <= rows; ++j) count += i * i + i * j + j * j < most;
+  return count;
+}
+
+}  // namespace deformable_surface::model
