@@ -51,8 +51,8 @@ TEST(ApproachTree, TellsWhatALookAtAllPairsTells) {
         tree.renew(trial % 2 == 0 ? then : randomPoints(n, 1.0, generator));  // or of other places
         const bool expected = allHold(then, now, lengths);
         // It may give up, but never overlooks a pair.
-        if (tree.holds(then, now, lengths)) EXPECT_TRUE(expected) << n << " " << trial;
-        if (trial % 2 == 0 && n > 20) EXPECT_EQ(tree.holds(then, now, lengths), expected) << n << " " << trial;
+        const bool found = tree.holds(then, now, lengths), may_differ = trial % 2 != 0 || n < 20;
+        EXPECT_TRUE(found == expected || (may_differ && !found)) << n << " " << trial;
         ++(expected ? held : broken);
       }
     }

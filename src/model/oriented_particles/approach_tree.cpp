@@ -10,7 +10,8 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kMostVisits = 10;  // pairs of boxes for each particle: they take half as long as making the lists anew
+constexpr Index kMostVisits = 20;  // pairs of boxes for each particle: they take as long as making the lists anew
+constexpr Index kMostAge = 4;      // calls of renew() between two trees, which cost a third of the lists
 constexpr Index kLeafBlock = 32;
 
 }  // namespace
@@ -20,7 +21,10 @@ Index ApproachTree::beginOf(Index leaf) const {
 }
 
 void ApproachTree::renew(const Points& places) {
-  if (is_slow_ || places.size() != order_.size()) build(places);
+  if (places.size() != order_.size() || (++age_ >= kMostAge && is_slow_)) {
+    build(places);
+    age_ = 0;
+  }
   is_slow_ = false;
   visited_ = 0;
 }

@@ -72,13 +72,12 @@ DEFORMABLE_SURFACE_INLINE void multiplyGradients(const PresentBonds::FourTriangl
   }
 }
 
-// S G M^-1 G^T. tension: of bonds, N/m, which acts in all directions and is not counted along the bond again.
+// S v for the strains; tension: of bonds, N/m, which acts in all directions and is not counted along the bond again.
 DEFORMABLE_SURFACE_INLINE void multiplyStiffness(const PresentBonds::FourTriangles& t, const DeformedTriangles& d,
-                                                 const Double4* tension, const Double4 (&gradients)[kStrains][kStrains],
+                                                 const Double4* tension, const Double4 (&v)[kStrains][kStrains],
                                                  Double4 (&product)[kStrains][kStrains]) {
   for (int q = 0; q < kStrains; ++q) {
-    const Double4 e[3] = {gradients[0][q], gradients[1][q], gradients[2][q]};
-    const Double4 c[3] = {gradients[3][q], gradients[4][q], gradients[5][q]};
+    const Double4 e[3] = {v[0][q], v[1][q], v[2][q]}, c[3] = {v[3][q], v[4][q], v[5][q]};
     Double4 by_e[3], by_c[3];
     multiply(t.stretching, d.held, e, by_e);
     multiply(t.bending, d.smooth, c, by_c);
@@ -87,35 +86,48 @@ DEFORMABLE_SURFACE_INLINE void multiplyStiffness(const PresentBonds::FourTriangl
       load(t.length[a], length);
       product[a][q] = by_e[a] - tension[a] * length * length * e[a];
       product[3 + a][q] = by_c[a];
-      product[6 + a][q] = d.shearing[a] * gradients[6 + a][q];
+      product[6 + a][q] = d.shearing[a] * v[6 + a][q];
     }
   }
 }
 
-// A bound of the absolute eigenvalues of a matrix with real ones: the eighth root of the trace of the eighth power. It is exact
-// if one is much larger than the others, and too large by 1.32 if all nine are equal.
-DEFORMABLE_SURFACE_INLINE void boundEigenvalue(Double4 (&matrix)[kStrains][kStrains], Double4& bound) {
+// The trace of the square of a matrix.
+DEFORMABLE_SURFACE_INLINE void squareTrace(const Double4 (&matrix)[kStrains][kStrains], Double4& trace) {
+  trace = matrix[0][0] * matrix[0][0];
+  for (int p = 1; p < kStrains; ++p) {
+    Double4 beside = matrix[p][0] * matrix[0][p];
+    for (int q = 1; q < p; ++q) beside += matrix[p][q] * matrix[q][p];
+    trace += matrix[p][p] * matrix[p][p] + 2.0 * beside;
+  }
+}
+
+// A bound of the absolute eigenvalues of S N, N symmetric, from the mean and the deviation of their squares [Wolkowicz 1980].
+DEFORMABLE_SURFACE_INLINE void boundEigenvalue(const PresentBonds::FourTriangles& t, const DeformedTriangles& d,
+                                               const Double4* tension, Double4 (&gradients)[kStrains][kStrains], Double4& bound) {
+  Double4 matrix[kStrains][kStrains];
+  multiplyStiffness(t, d, tension, gradients, matrix);
   const Double4 zero = matrix[0][0] - matrix[0][0], one = zero + 1.0;
-  Double4 scale = zero;
-  for (int p = 0; p < kStrains; ++p) scale += matrix[p][p] > zero ? matrix[p][p] : -matrix[p][p];
-  const Double4 shrink = (scale > zero ? one : zero) / (scale > zero ? scale : one);
+  Double4 squares, fourths;
+  squareTrace(matrix, squares);
+  const Double4 shrink = (squares > zero ? one : zero) / (squares > zero ? squares : one);
+  // N S N S has the trace of (S N)^2, and is a symmetric matrix times S.
+  Double4 inner[kStrains][kStrains];
   for (int p = 0; p < kStrains; ++p)
-    for (int q = 0; q < kStrains; ++q) matrix[p][q] *= shrink;
-  Double4 square[kStrains][kStrains], trace = zero;
-  for (int p = 0; p < kStrains; ++p)
-    for (int q = 0; q < kStrains; ++q) {
-      square[p][q] = matrix[p][0] * matrix[0][q];
-      for (int k = 1; k < kStrains; ++k) square[p][q] += matrix[p][k] * matrix[k][q];
+    for (int q = 0; q <= p; ++q) {
+      inner[p][q] = gradients[p][0] * matrix[0][q];
+      for (int k = 1; k < kStrains; ++k) inner[p][q] += gradients[p][k] * matrix[k][q];
+      inner[p][q] *= shrink;
+      inner[q][p] = inner[p][q];
     }
-  for (int p = 0; p < kStrains; ++p)
-    for (int q = 0; q < kStrains; ++q) {
-      matrix[p][q] = square[p][0] * square[0][q];
-      for (int k = 1; k < kStrains; ++k) matrix[p][q] += square[p][k] * square[k][q];
-    }
-  for (int p = 0; p < kStrains; ++p)
-    for (int q = 0; q < kStrains; ++q) trace += matrix[p][q] * matrix[q][p];
-  for (int k = 0; k < 3; ++k) takeRoots(trace);
-  bound = scale * trace;
+  multiplyStiffness(t, d, tension, inner, matrix);
+  squareTrace(matrix, fourths);  // over the square of the trace of squares
+  constexpr double kMean = 1.0 / kStrains;
+  Double4 deviation = kMean * fourths - kMean * kMean;
+  deviation = deviation > zero ? deviation : zero;
+  takeRoots(deviation);
+  bound = squares * (kMean + std::sqrt(kStrains - 1.0) * deviation);
+  bound = bound > zero ? bound : zero;
+  takeRoots(bound);
 }
 
 // The largest eigenvalue of three bonds with a tension in all directions, from the trace and the sum of minors: one of the three
@@ -147,10 +159,9 @@ void boundTriangles(const PackedParticles& particles, const PresentBonds::FourTr
       const Double4 slopes = (by_first > zero ? by_first : -by_first) + (by_last > zero ? by_last : -by_last);
       by_slopes += slopes * (by_both + length * (d.e[a] + 1.0) * by_inertia);  // turned and moved, and turned twice
     }
-    Double4 gradients[kStrains][kStrains], matrix[kStrains][kStrains], stretched, by_tension;
+    Double4 gradients[kStrains][kStrains], stretched, by_tension;
     multiplyGradients(t, d, by_inertia, gradients);
-    multiplyStiffness(t, d, tension, gradients, matrix);
-    boundEigenvalue(matrix, stretched);
+    boundEigenvalue(t, d, tension, gradients, stretched);
     findOfTension(tension, by_tension);
     store(stretched + by_tension + by_slopes, bounds + 4 * static_cast<std::ptrdiff_t>(k));
   }

@@ -10,8 +10,8 @@ namespace deformable_surface::model {
 /// A binary tree over particles, halved along the longest edge of the box around each part, with up to eight in a leaf.
 class ApproachTree {
  public:
-  /// The lists are new. places: (n), finite. O(n log n) if the number has changed or the last answer took too long. Else the tree
-  /// stays as it was: of other places it is slower, not wrong.
+  /// The lists are new. places: (n), finite. O(n log n) if the number has changed, or a few times after an answer took too long.
+  /// Else the tree stays as it was: of other places it is slower, not wrong.
   void renew(const Points& places);
   Index size() const { return static_cast<Index>(order_.size()); }
 
@@ -21,9 +21,9 @@ class ApproachTree {
     double skin;                 // m: pairs that have moved against each other by less hold in any case
     bool is_listed_by_distance;  // else only the skin counts
   };
-  /// then, now: (n). Whether every pair nearer than the radius now was within reach then. False also once the calls since
-  /// forget() have taken half as long as making the lists anew: it is faster while they are new. Boxes in parallel; allocates
-  /// nothing after build().
+  /// then, now: (n). Whether every pair nearer than the radius now was within reach then. False also once the calls since renew()
+  /// have taken about as long as making the lists anew: it is faster while they are new. Boxes in parallel; allocates nothing
+  /// after renew().
   bool holds(const Points& then, const Points& now, const Lengths& lengths);
 
   std::size_t bytes() const;
@@ -49,6 +49,7 @@ class ApproachTree {
   std::vector<Leaf> leaves_;
   Index visited_ = 0;  // pairs of boxes since the lists are new
   bool is_slow_ = false;
+  Index age_ = 0;  // calls of renew() since the tree was built
 };
 
 }  // namespace deformable_surface::model
