@@ -1,6 +1,7 @@
 // Changes of particles between steps: heat from knives.
 #include "deformable_surface/simulation/simulation.h"
 
+#include "cloud/test_surfaces.h"
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
 #include "particles.h"
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -77,6 +79,38 @@ TEST(ParticleLife, AfterAFitNoTwoParticlesAreInOnePlace) {
       }
       run(s, 5);
     }
+}
+
+// Particles grown through samples of a torus come to rest near it, and stay there. By all forces alone the stress of the uneven
+// lattice raises bumps: the two surfaces are then 0.073 spacings from it (rms, mean of both), and 0.078 after the steps.
+TEST(ParticleLife, GrownToriRestNearTheirSamples) {
+  constexpr double kSpacing = 0.09, kNear = 0.06;  // m; spacings
+  double at_start = 0.0, after_steps = 0.0;
+  for (const unsigned seed : {1u, 2u}) {
+    const cloud::TestSurface torus = cloud::makeTorus(36, 14, 0.15, seed);
+    simulation::SceneParams p = particleSheet();
+    p.material.bending_rigidity = p.material.young_modulus * p.material.thickness * kSpacing * kSpacing;
+    p.oriented_particles.spacing = kSpacing;
+    p.oriented_particles.grow_surface = true;
+    p.oriented_particles.growth.min_gap = 1.6;
+    p.oriented_particles.growth.max_gap = 4.0;
+    p.oriented_particles.growth.clearance = 0.65;
+    cloud::PointCloud cloud;
+    cloud.positions = torus.positions;
+    cloud.normals = torus.normals;
+    cloud.width = static_cast<std::uint32_t>(torus.size());
+    simulation::Simulation s(p, cloud);
+    const auto findDistance = [&] {
+      double squares = 0.0;
+      for (const Vec3& x : s.state().positions) squares += std::pow(std::hypot(std::hypot(x.x(), x.y()) - 1.0, x.z()) - 0.4, 2);
+      return std::sqrt(squares / s.state().size()) / kSpacing;
+    };
+    at_start += 0.5 * findDistance();
+    run(s, 20);
+    after_steps += 0.5 * findDistance();
+  }
+  EXPECT_LT(at_start, kNear);
+  EXPECT_LT(after_steps, kNear);
 }
 
 // What growth leaves undone is a warning, with the number that ended it, or the place.

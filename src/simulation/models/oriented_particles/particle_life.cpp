@@ -455,7 +455,10 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
   const double least = kClosest * particles.lattice().spacing;
   moveApart(least, fixed, trial);
-  relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
+  if (keeps_shape && is_start && !(growth.noise > 0.0))
+    relaxInShape(particles, fixed, fixed, trial);
+  else
+    relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
   const Index near_pairs = moveApart(least, fixed, trial);
   state.positions = trial.positions;
   state.orientations = trial.orientations;

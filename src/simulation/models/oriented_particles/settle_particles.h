@@ -11,6 +11,12 @@ namespace deformable_surface::simulation {
 void relaxParticles(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
                     Index max_iterations, double tolerance, model::State& state);
 
+/// The same, but towards an equilibrium with the curvature that the particles remember at first. Under the stress of an uneven
+/// lattice they would come to rest beside it, in bumps. Every few hundreds of steps, each rest curvature therefore grows by what
+/// the particle's present curvature lacks. Particles without enough neighbours to tell keep theirs.
+void relaxInShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
+                  model::State& state);
+
 /// Particles slide by attraction and repulsion alone over the surface of the dense points, which have normals, without leaving
 /// it, until they are even. attraction: a model of the same particles without forces of orientation. held, held_turns (n) as
 /// above. Returns whether any moved: what is at rest stays to the bit.
