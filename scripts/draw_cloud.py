@@ -2,6 +2,7 @@
 """Draws clouds of points as shaded surfaces, side by side, into a PNG, for the demo, the documentation and users' own results. From the
 command line:
   draw_cloud.py OUT.png REST.ply [DEFORMED.ply ...]     the colour is the distance from the first file's points
+  draw_cloud.py OUT.png DEFORMED.ply ... --field error  the colour is a field of the files
   draw_cloud.py OUT.png FILTERED.pcd                    of `simulate --filtered`: the colour is the filter that removed a point"""
 import argparse
 import os
@@ -155,9 +156,9 @@ def draw_filtered(path, points, removed_by, title, azimuth=-60.0, elevation=15.0
     save(figure, path)
 
 
-def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size=700):
-    """Writes the picture. `surfaces` is a list of pairs (points (n x 3) in m, displacement (n) in m), all in one scale and seen
-    from the same side; the colour bar runs from zero to the largest displacement of all."""
+def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size=700, what="displacement from rest"):
+    """Writes the picture. `surfaces` is a list of pairs (points (n x 3) in m, values (n) in m, such as the displacement), all in one
+    scale and seen from the same side; the colour bar runs from zero to the largest finite value of all."""
     import matplotlib
     matplotlib.use("Agg")
     from matplotlib import pyplot
@@ -167,7 +168,7 @@ def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size
     view, center, extent = frame_all(np.concatenate([points for points, _ in surfaces]), azimuth, elevation)
     spacing = measure_spacing(surfaces[0][0])
     extent += 2 * spacing  # points are balls
-    largest = max(np.nanmax(values) for _, values in surfaces)
+    largest = max(np.max(values, where=np.isfinite(values), initial=0.0) for _, values in surfaces)
 
     figure, axes = pyplot.subplots(1, len(surfaces), figsize=(5.6 * len(surfaces), 6.3), squeeze=False)
     for axis, (points, values), title in zip(axes[0], surfaces, titles):
@@ -177,9 +178,17 @@ def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size
     if largest > 0:
         bar = figure.add_axes([0.25, 0.11, 0.5, 0.022])
         scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1000 * largest), colors)
-        figure.colorbar(scale, cax=bar, orientation="horizontal").set_label("displacement from rest (mm)")
+        figure.colorbar(scale, cax=bar, orientation="horizontal").set_label(what + " (mm)")
     figure.text(0.5, 0.005, caption, ha="center", fontsize=11)
     save(figure, path)
+
+
+def read_field(path, name):
+    """A column of a file, for its finite points."""
+    points, _, columns = point_files.read_rows(path)
+    if name not in columns:
+        sys.exit("draw_cloud.py: %s has no field %s; accepted: %s" % (path, name, ", ".join(sorted(columns))))
+    return columns[name].astype(float)[np.isfinite(points).all(axis=1)]
 
 
 def main():
@@ -189,6 +198,7 @@ def main():
     parser.add_argument("--up", choices=sorted(UPRIGHT), default="z", help="the axis that points up; of a camera's clouds: -y")
     parser.add_argument("--azimuth", type=float, default=-60.0, help="where the viewer stands, degrees about z from x")
     parser.add_argument("--elevation", type=float, default=15.0, help="how high the viewer stands, degrees")
+    parser.add_argument("--field", help="the colour: a field of every file, in m, such as error; else the distance from the first file")
     arguments = parser.parse_args()
     try:
         first, _, columns = point_files.read_rows(arguments.clouds[0])
@@ -207,9 +217,12 @@ def main():
     for path, cloud in zip(arguments.clouds, clouds):
         if len(cloud) != len(clouds[0]):
             sys.exit("draw_cloud.py: %s has %d finite points, the first file has %d" % (path, len(cloud), len(clouds[0])))
-    surfaces = [(cloud, np.linalg.norm(cloud - clouds[0], axis=1)) for cloud in clouds]
-    draw(arguments.picture, surfaces, [os.path.basename(path) for path in arguments.clouds], azimuth=arguments.azimuth,
-         elevation=arguments.elevation)
+    if arguments.field:
+        values = [read_field(path, arguments.field) for path in arguments.clouds]
+    else:
+        values = [np.linalg.norm(cloud - clouds[0], axis=1) for cloud in clouds]
+    draw(arguments.picture, list(zip(clouds, values)), [os.path.basename(path) for path in arguments.clouds],
+         azimuth=arguments.azimuth, elevation=arguments.elevation, what=arguments.field or "displacement from rest")
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
   probe.candidate = tried;
   SceneParams quiet = params;
   quiet.accuracy = AccuracyParams{};
-  quiet.output.resample = false;
+  quiet.output.resample = quiet.output.error = false;
   quiet.integrator.type = tried.integrator;
   EstimatedDynamics trial(quiet, buildTrial(quiet, full, tried.points));
   trial.estimateError();

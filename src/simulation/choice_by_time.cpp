@@ -27,7 +27,7 @@ double timeProbe(const SceneParams& params, const RestSurface& full, Index point
   quiet.integrator.type = type;
   quiet.accuracy = AccuracyParams{};
   quiet.sleep.mode = Sleep::kNever;  // to time a surface in motion
-  quiet.output.resample = false;
+  quiet.output.resample = quiet.output.error = false;
   EstimatedDynamics trial(quiet, buildTrial(quiet, full, points));
   if (params.accuracy.estimate && trial.dynamics().kind().refuseEstimate(params).empty()) trial.estimateError();
   const auto step = [&] {

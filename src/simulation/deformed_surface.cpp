@@ -172,6 +172,23 @@ void DeformedSurface::fillRows(Index begin, Index end, bool with_normals) {
   }
 }
 
+void DeformedSurface::setErrors(const LocalErrors& errors) {
+  const Index n = input_.size();
+  surface_.error.resize(n);
+  if (errors.apart.empty())
+    dense_apart_.assign(rest_.dense.positions.size(), 0.0f);
+  else
+    currentTransfer().findLargest(errors.apart, dense_apart_);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Index d = rest_.dense.point_of_input[i];
+      const double here = d < 0 ? 0.0 : dense_apart_[d] + errors.everywhere;
+      surface_.error[i] =
+          d < 0 ? kNaN : static_cast<float>(std::isfinite(errors.most) ? std::min(here, errors.most) : errors.most);
+    }
+  });
+}
+
 const transfer::Transfer& DeformedSurface::currentTransfer() const { return cut_ ? cut_->transfer() : rest_.transfer; }
 
 bool DeformedSurface::sever(const tool::BladeSweep& blade, const Points& before, const Points& after) {

@@ -11,6 +11,7 @@
 
 #include "cloud_follower.h"
 #include "cut_transfer.h"
+#include "local_errors.h"
 
 namespace deformable_surface::simulation {
 
@@ -45,6 +46,8 @@ class DeformedSurface : public CutFollower {
   bool hasRested() const { return has_rested_; }
   /// The surface of the state, computed once per state. with_normals: computed if params.output.normals, too.
   const Surface& make(const model::State& state, bool with_normals);
+  /// Of the surface that was made.
+  void setErrors(const LocalErrors& errors);
 
  private:
   const transfer::Transfer& currentTransfer() const;
@@ -87,6 +90,7 @@ class DeformedSurface : public CutFollower {
 
   Points dense_now_;
   std::vector<Eigen::Vector3f> dense_normals_now_;
+  std::vector<float> dense_apart_;  // (n) m, the largest among the simulation points that each follows
   Surface surface_;
   bool is_made_ = false, has_normals_ = false;
   std::uint64_t revision_ = 0;

@@ -65,7 +65,7 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   SceneParams coarse = params;
   coarse.accuracy = AccuracyParams{};
   coarse.accuracy.estimate = false;
-  coarse.output.resample = false;
+  coarse.output.resample = coarse.output.error = false;
   coarse.contact.self = dynamics.loads().self_contact != nullptr;
   CoarserLevel copies = dynamics.kind().makeCopies(coarse, level);
   const RestSurface& surface = copies.surface;
@@ -80,6 +80,7 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   disturbance_ = (is_simplified_ || is_body_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
   has_hinged_pins_ = level.has_hinged_pins;
+  is_local_ = params.output.error && (is_simplified_ || is_body_);
   coarse_now_ = surface.points;
   const IntegratorType type = params.integrator.type;
   const Index max_substeps = coarse.integrator.max_substeps;
@@ -105,6 +106,7 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
       is_simplified_(other.is_simplified_),
       has_hinged_pins_(other.has_hinged_pins_),
       is_calibrated_(other.is_calibrated_),
+      is_local_(other.is_local_),
       unresolved_(other.unresolved_),
       step_(other.step_),
       disturbance_(other.disturbance_),
@@ -149,7 +151,8 @@ std::shared_ptr<const ErrorEstimator::Memory> ErrorEstimator::memory() const {
 }
 
 std::size_t ErrorEstimator::Memory::bytes() const {
-  return dents.size() * sizeof(double) + shadow.bytes() + twin.bytes() + (verlet ? verlet->bytes() : 0);
+  return dents.size() * sizeof(double) + seen.apart.size() * sizeof(float) + shadow.bytes() + twin.bytes() +
+         (verlet ? verlet->bytes() : 0);
 }
 
 void ErrorEstimator::setMemory(const Memory& saved) {
@@ -363,6 +366,7 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   hold(seen_.space, (common_.empty() ? kParticleFactor : kSpaceFactor) * (is_body_ ? 1.0 : unresolved_) * apart);
   hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
   if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
+  if (is_local_) followPlaces(level, lasting);
   std::string notice = followTools(level, lasting);
   appendNotice(notice, followMeeting(level));
   hold(seen_.twin_distance, findLargestDistance(besideTwin().state().positions, twin_->state().positions));
@@ -388,6 +392,18 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
                            " mm apart are " + std::to_string(1e3 * seen_.twin_distance) +
                            " mm apart, as where a surface buckles or crumples");
   return notice;
+}
+
+// Without the factors of the largest error, which cover the worst of many points. Held points are where they should be.
+void ErrorEstimator::followPlaces(const Dynamics& level, double lasting) {
+  const Points& positions = level.state().positions;
+  refine_(shadow_->state().positions, refined_);
+  seen_.apart.resize(positions.size(), 0.0f);
+  const double share = is_body_ ? 1.0 : unresolved_;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const double now = level.held()[i] ? 0.0 : share * (refined_[i] - positions[i]).norm();
+    seen_.apart[i] = static_cast<float>(std::max(lasting * seen_.apart[i], now));
+  }
 }
 
 double ErrorEstimator::searchDisturbance() const { return kDisturbance * level_spacing_; }

@@ -68,6 +68,9 @@ class ErrorEstimator {
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
   double time() const { return seen_.time; }          // m
+  double others() const { return seen_.others; }      // m, how far away another equilibrium is
+  /// If params.output.error: (m) m, how far each simulation point is from where it would follow the copy. Else empty.
+  const std::vector<float>& apart() const { return seen_.apart; }
   /// Whether the estimate is calibrated for these numbers of points.
   bool isCalibrated() const { return is_calibrated_; }
   /// Whether the surface may have buckled since the last reset or set state where its points do not show it.
@@ -102,9 +105,11 @@ class ErrorEstimator {
     bool has_unfelt = false;                        // a tool was in the surface and pushed nothing
     bool has_searched = false, has_others = false;  // twice for the first equilibrium; and found more than one
     double others = 0.0;                            // m, how far away the other one is; infinite: it was not found
+    std::vector<float> apart;                       // (m) m, see apart()
   };
 
   std::string followStep(const Dynamics& level);
+  void followPlaces(const Dynamics& level, double lasting);
   std::pair<Dynamics::Outcome, Dynamics::Outcome> stepBoth(Dynamics& a, Dynamics& b);
   void followVerlet(solve::IntegratorType type);
   std::string stepCopies(solve::IntegratorType type, Index substeps);
@@ -120,6 +125,7 @@ class ErrorEstimator {
   bool is_simplified_ = false;                          // the level has fewer points than the surface
   bool has_hinged_pins_ = false;                        // see RestSurface
   bool is_calibrated_ = false;                          // see isCalibrated()
+  bool is_local_ = false;                               // apart() is wanted
   double unresolved_ = 1.0;                             // share of the surface's points that are no simulation points
   double step_ = 0.0;                                   // s
   double disturbance_ = 0.0;                            // m, of the twin

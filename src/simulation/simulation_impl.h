@@ -20,6 +20,7 @@ struct Looks {
   std::shared_ptr<const CutTransfer::Memory> severed;    // null: nothing
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   Statistics statistics;
+  std::shared_ptr<const LocalErrors> errors;  // null: not wanted
   bool is_estimated = false;
   std::uint64_t surface_revision = 0;
 };
@@ -54,6 +55,7 @@ struct Simulation::Impl {
 
   bool is_viewer = false, is_estimated_elsewhere = false;  // it takes no steps; the simulation that it shows has an estimate
   std::optional<std::uint64_t> seen_revision;              // of the surface, in the viewer's last sight
+  std::shared_ptr<const LocalErrors> seen_errors;          // in it
 
   Impl(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface&& rest, AccuracyChoice&& chosen);
   /// A fork.
@@ -78,6 +80,7 @@ struct Simulation::Impl {
   const Statistics& measure();
   void measureState();
   void readEstimate(Statistics& into) const;
+  LocalErrors findLocalErrors() const;
   void listSkipped();
   void takeStatistics(const EstimatedDynamics::Outcome& taken, double seconds);
   const Surface& makeSurface(bool with_normals);

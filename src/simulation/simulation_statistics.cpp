@@ -61,6 +61,18 @@ void Simulation::Impl::readEstimate(Statistics& into) const {
   into.error_estimate = estimator->total() + softening + dynamics().activity().lost();
 }
 
+// Of a simulation, not of a viewer.
+LocalErrors Simulation::Impl::findLocalErrors() const {
+  LocalErrors errors;
+  Statistics now;
+  readEstimate(now);
+  errors.most = now.error_estimate;
+  if (!run.estimator()) return errors;
+  errors.apart = run.estimator()->apart();
+  errors.everywhere = now.error_time + run.estimator()->others() + softening;
+  return errors;
+}
+
 void Simulation::Impl::listSkipped() {
   const Dynamics& now = dynamics();
   std::vector<std::string>& skipped = statistics.skipped;
@@ -109,6 +121,7 @@ const Surface& Simulation::Impl::makeSurface(bool with_normals) {
   if (surface.isMade() && (surface.hasNormals() || !wants_normals)) return surface.make(state, with_normals);
   const Timer timer;
   const Surface& made = surface.make(state, with_normals);
+  if (dynamics().params().output.error) surface.setErrors(seen_errors ? *seen_errors : findLocalErrors());
   // The operator makes both in one pass; the time counts for what was asked for.
   (wants_normals ? statistics.time_normals : statistics.time_transfer) = timer.seconds();
   return made;

@@ -44,6 +44,7 @@ Looks Simulation::Impl::saveLooks() const {
   saved.statistics = statistics;
   readEstimate(saved.statistics);
   saved.is_estimated = run.estimator() != nullptr;
+  if (dynamics().params().output.error) saved.errors = std::make_shared<const LocalErrors>(findLocalErrors());
   saved.surface_revision = surface.revision();
   return saved;
 }
@@ -53,7 +54,10 @@ void Simulation::Impl::restoreLooks(const Looks& saved) {
   surface.restoreCut(saved.severed, stretchLinksOf(dynamics().model()));
   // A viewer's surface of the same positions stays valid.
   if (!is_viewer || seen_revision != saved.surface_revision) surface.invalidate();
-  if (is_viewer) seen_revision = saved.surface_revision;
+  if (is_viewer) {
+    seen_revision = saved.surface_revision;
+    seen_errors = saved.errors;
+  }
   surface.restoreInserted(saved.resampler);
   statistics = saved.statistics;
   measured_revision.reset();
@@ -107,6 +111,7 @@ std::size_t Snapshot::bytes() const {
   std::size_t sum = sizeof(Contents) - sizeof(DynamicsState) + c.dynamics.bytes();
   if (c.looks.severed) sum += c.looks.severed->size() * sizeof(CutTransfer::Memory::value_type);
   if (c.looks.resampler) sum += c.looks.resampler->bytes();
+  if (c.looks.errors) sum += c.looks.errors->apart.size() * sizeof(float);
   if (c.estimate) sum += c.estimate->bytes();
   return sum;
 }

@@ -427,6 +427,17 @@ Index Transfer::update(const Points& simulation_now, Frame& frame, Points& dense
   return static_cast<Index>(frame.stale_.size());
 }
 
+void Transfer::findLargest(const std::vector<float>& values, std::vector<float>& largest) const {
+  largest.assign(rest_.size(), 0.0f);
+  if (values.empty()) return;
+  parallelFor(numDense(), kTilePoints, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Index* const sources = index_.data() + static_cast<std::size_t>(i / kLanes) * k_ * kLanes + i % kLanes;
+      for (Index j = 0; j < k_; ++j) largest[i] = std::max(largest[i], values[sources[j * kLanes]]);
+    }
+  });
+}
+
 Index Transfer::numDense() const { return static_cast<Index>(rest_.size()); }
 Index Transfer::numSimulation() const { return static_cast<Index>(simulation_rest_.size()); }
 Index Transfer::numDegenerate() const { return num_degenerate_; }

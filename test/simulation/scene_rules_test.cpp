@@ -34,6 +34,22 @@ TEST(SceneRules, WhatNeedsSidesIsRefusedOfABody) {
   EXPECT_FALSE(isRefused(scene, "pressure"));
 }
 
+TEST(SceneRules, ErrorsOfPointsNeedAnEstimateByCopiesWithPointsOfTheSurface) {
+  SceneParams scene;
+  scene.output.error = true;
+  EXPECT_FALSE(isRefused(scene, "output.error"));
+  scene.output.resample = true;
+  EXPECT_TRUE(isRefused(scene, "output.error"));
+  scene.output.resample = false;
+  scene.accuracy.estimate = false;
+  EXPECT_TRUE(isRefused(scene, "output.error"));
+  scene.accuracy.estimate = true;
+  scene.model = "elastic_solid";
+  EXPECT_FALSE(isRefused(scene, "output.error"));
+  scene.model = "oriented_particles";
+  EXPECT_TRUE(isRefused(scene, "output.error"));
+}
+
 TEST(SceneRules, KineticFrictionIsAtMostTheStaticOne) {
   SceneParams scene;
   scene.contact.friction = 0.3;

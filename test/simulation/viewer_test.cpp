@@ -25,6 +25,7 @@ void expectSameSight(Simulation& seen, Simulation& viewer, const std::string& wh
   EXPECT_TRUE(areSameBits(a.positions, b.positions)) << where;
   EXPECT_TRUE(areSameBits(a.normals, b.normals)) << where;
   EXPECT_TRUE(areSameBits(a.displacement, b.displacement)) << where;
+  EXPECT_TRUE(areSameBits(a.error, b.error)) << where;
   EXPECT_EQ(a.source, b.source) << where;
   EXPECT_EQ(stretchLinksOf(viewer.model()), stretchLinksOf(seen.model())) << where;
   EXPECT_EQ(viewer.pinned(), seen.pinned()) << where;

@@ -200,6 +200,24 @@ TEST(Transfer, WhereNearlyAllPointsAreSimulatedTheseAreAtTheirPlaces) {
   for (std::size_t i = 0; i < simulated.size(); ++i) EXPECT_LT((dense[i] - simulated[simulated.size() - 1 - i]).norm(), 1e-6);
 }
 
+TEST(Transfer, FindsTheLargestValueOfWhatEachPointFollows) {
+  Points simulation, dense;
+  for (int i = 0; i < 12; ++i) simulation.emplace_back(i, 0.3 * (i % 2), 0.0);
+  for (int i = 0; i < 23; ++i) dense.emplace_back(0.5 * i, 0.1, 0.0);
+  TransferParams params;
+  params.k = 3;
+  const Transfer transfer(dense, Points(dense.size(), Vec3::UnitZ()), simulation, std::vector<char>(12, 1), params);
+  std::vector<float> values(12, 0.5f), largest;
+  values[4] = 2.0f;
+  transfer.findLargest(values, largest);
+  ASSERT_EQ(largest.size(), dense.size());
+  for (Index i = 0; i < transfer.numDense(); ++i) {
+    const std::vector<Index> sources = transfer.sourcesOf(i);
+    const bool follows = std::find(sources.begin(), sources.end(), 4) != sources.end();
+    EXPECT_EQ(largest[i], follows ? 2.0f : 0.5f) << i;
+  }
+}
+
 TEST(Transfer, WeighsByThePublishedGaussian) {
   // One dense point in the middle of four with a quadratic field: the symmetric fit is the weighted mean, known by hand.
   const Points simulation = {{1, 0, 0}, {-1, 0, 0}, {0, 2, 0}, {0, -2, 0}};

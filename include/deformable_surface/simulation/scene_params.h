@@ -115,6 +115,7 @@ struct OutputParams {
   OutputStamp stamp = OutputStamp::kClock;
   bool normals = true;
   bool resample = false;        // insert points where the surface is stretched
+  bool error = false;           // estimate the error of each point; needs accuracy.estimate
   double publish_rate = 30.0;   // Hz, > 0
   double contacts_rate = 30.0;  // Hz, 0 = after every step
 };
@@ -357,6 +358,9 @@ inline void visit(Fields& fields, OutputParams& p) {
                 "time. The latter falls behind the clock with every pause and jumps back at `~reset`");
   fields.flag("normals", p.normals, "compute normals of the full cloud");
   fields.flag("resample", p.resample, "insert points where the surface is stretched");
+  fields.flag("error", p.error,
+              "estimate the position error of each point, as the field `error` (m) of clouds (docs/accuracy_control.md); needs "
+              "accuracy.estimate");
   fields.number("publish_rate", p.publish_rate, "Hz", between(1e-3, 1e4), "the node: largest rate of clouds and markers");
   fields.number("contacts_rate", p.contacts_rate, "Hz", between(0.0, 1e4),
                 "the node: largest rate of `~contacts`; 0 = after every step");

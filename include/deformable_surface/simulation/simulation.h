@@ -32,6 +32,7 @@ struct Surface {
   Points positions;                      // m; NaN for holes
   std::vector<Eigen::Vector3f> normals;  // unit; NaN for holes; empty if not wanted
   std::vector<float> displacement;       // m, distance from rest; NaN for holes
+  std::vector<float> error;              // m, estimate of the position error; NaN for holes; empty without output.error
   std::vector<Index> source;  // the input point whose extra fields each inserted row takes; empty without inserted rows
   Index num_input = 0;
 };

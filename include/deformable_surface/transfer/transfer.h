@@ -78,6 +78,9 @@ class Transfer {
   /// Local change of area, |t1' x t2'| / |t1 x t2|, of each dense point (n).
   void areaRatio(const Points& simulation_now, std::vector<float>& ratio) const;
 
+  /// The largest of the values (m) of the simulation points that each dense point follows (n).
+  void findLargest(const std::vector<float>& values, std::vector<float>& largest) const;
+
   Index numDense() const;
   Index numSimulation() const;
   Index numDegenerate() const;        // dense points whose neighbourhood has no plane

@@ -57,16 +57,17 @@ void setShape(std::uint32_t width, std::uint32_t height, std::uint32_t point_ste
 
 }  // namespace
 
-SurfaceEncoder::SurfaceEncoder(const cloud::PointCloud& input, bool with_normals)
-    : width_(input.width), height_(input.height), with_normals_(with_normals) {
+SurfaceEncoder::SurfaceEncoder(const cloud::PointCloud& input, bool with_normals, bool with_error)
+    : width_(input.width), height_(input.height), with_normals_(with_normals), with_error_(with_error) {
   computed_size_ = appendFloats({"x", "y", "z"}, 0, fields_);
   if (with_normals) computed_size_ = appendFloats({"normal_x", "normal_y", "normal_z"}, computed_size_, fields_);
   computed_size_ = appendFloats({"displacement"}, computed_size_, fields_);
+  if (with_error) computed_size_ = appendFloats({"error"}, computed_size_, fields_);
 
   std::vector<const cloud::ExtraField*> extra_fields;
   std::uint32_t offset = computed_size_;
   for (const cloud::ExtraField& field : input.extra_fields) {
-    if (isComputed(field.name)) continue;
+    if (isComputed(field.name) || (with_error && field.name == "error")) continue;
     extra_fields.push_back(&field);
     offset = appendField(field.name, static_cast<std::uint8_t>(field.type), field.count, offset, fields_);
   }
@@ -98,12 +99,13 @@ void SurfaceEncoder::encode(const simulation::Surface& surface, sensor_msgs::Poi
     for (Index i = begin; i < end; ++i) {
       // The part that changes from frame to frame.
       std::uint8_t* point = data + i * point_step;
-      float computed[7];
+      float computed[8];
       float* next = computed;
       for (int axis = 0; axis < 3; ++axis) *next++ = static_cast<float>(surface.positions[i][axis]);
       if (with_normals_)
         for (int axis = 0; axis < 3; ++axis) *next++ = surface.normals[i][axis];
-      *next = surface.displacement[i];
+      *next++ = surface.displacement[i];
+      if (with_error_) *next = surface.error[i];
       std::memcpy(point, computed, computed_size_);
       // The extra fields of the input; an inserted point has those of its source.
       const std::size_t source = i < surface.num_input ? i : surface.source[i - surface.num_input];

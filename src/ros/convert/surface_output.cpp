@@ -1,5 +1,7 @@
 #include "deformable_surface/ros/convert/surface_output.h"
 
+#include <algorithm>
+
 namespace deformable_surface::node {
 
 cloud::PointCloud makeOutputCloud(const simulation::Surface& surface, const cloud::PointCloud& input) {
@@ -14,6 +16,14 @@ cloud::PointCloud makeOutputCloud(const simulation::Surface& surface, const clou
       const std::uint8_t* row = field.bytes.data() + source * bytes;
       field.bytes.insert(field.bytes.end(), row, row + bytes);
     }
+  }
+  if (!surface.error.empty()) {
+    auto& fields = output.extra_fields;
+    const auto isError = [](const cloud::ExtraField& field) { return field.name == "error"; };
+    fields.erase(std::remove_if(fields.begin(), fields.end(), isError), fields.end());
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(surface.error.data());
+    fields.insert(fields.begin(),
+                  {"error", cloud::ScalarType::kFloat32, 1, {bytes, bytes + surface.error.size() * sizeof(float)}});
   }
   output.width = surface.source.empty() ? input.width : static_cast<std::uint32_t>(output.positions.size());
   output.height = surface.source.empty() ? input.height : 1;

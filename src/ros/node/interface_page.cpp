@@ -100,8 +100,10 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kPublished,
        "deformed",
        "sensor_msgs/PointCloud2",
-       "the deformed cloud: x y z, normal_x normal_y normal_z, displacement (m), then the input's other fields. One point per "
-       "input point, in the same order. Removed points are NaN. New particles are appended; they copy the extra fields of their "
+       "the deformed cloud: x y z, normal_x normal_y normal_z, displacement (m), with `output.error` error (m), then the input's "
+       "other "
+       "fields. One point per input point, in the same order. Removed points are NaN. New particles are appended; they copy the "
+       "extra fields of their "
        "parent, and their displacement is NaN. Latched. Published on change and to new subscribers",
        {}},
       {Kind::kPublished, "deformed_update", "deformable_surface/DeformedUpdate",

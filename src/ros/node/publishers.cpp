@@ -76,7 +76,8 @@ void Publishers::publish(Moment& moment) {
   }
   viewer_->restore(moment.sight);
   if (moment.params) viewer_->setParams(*moment.params);
-  if (is_other || moment.params) encoder_.emplace(viewer_->input(), viewer_->params().output.normals);
+  if (is_other || moment.params)
+    encoder_.emplace(viewer_->input(), viewer_->params().output.normals, viewer_->params().output.error);
 
   const std_msgs::Header header = makeHeader(moment.stamp);
   const auto isNew = [all = moment.all || is_new_](std::uint64_t revision, std::uint64_t& published) {

@@ -108,7 +108,7 @@ RolloutPlan prepareRollout(const RolloutGoal& goal, const std::string& surface_f
 
 RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame, const StepSchedule& schedule,
                       const std::function<bool(double)>& goes_on, simulation::Simulation& copy, RolloutResult& result) {
-  const SurfaceEncoder encoder(copy.input(), copy.params().output.normals);
+  const SurfaceEncoder encoder(copy.input(), copy.params().output.normals, copy.params().output.error);
   auto cloud = plan.cloud_steps.begin();
   auto sample = plan.sample_steps.begin();
   const auto record = [&](std::uint64_t step) {

@@ -142,7 +142,8 @@ void OutputBag::CloseOrLeave::operator()(rosbag::Bag* bag) const noexcept {
 void OutputBag::begin(const std::string& frame_id, const CloudId& cloud, const simulation::Simulation& simulation) {
   frame_id_ = frame_id;
   cloud_ = cloud;
-  encoder_ = std::make_unique<SurfaceEncoder>(simulation.input(), simulation.params().output.normals);
+  encoder_ =
+      std::make_unique<SurfaceEncoder>(simulation.input(), simulation.params().output.normals, simulation.params().output.error);
   markers_ = std::make_unique<SimulationMarkers>(simulation, frame_id);
 }
 

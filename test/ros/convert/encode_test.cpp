@@ -70,7 +70,7 @@ void expectPacked(const sensor_msgs::PointCloud2& message) {
 TEST(SurfaceEncoder, WritesComputedFieldsThenTheInputsOwn) {
   const cloud::PointCloud input = makeInput();
   sensor_msgs::PointCloud2 message;
-  SurfaceEncoder(input, true).encode(makeSurface(input), message);
+  SurfaceEncoder(input, true, false).encode(makeSurface(input), message);
   EXPECT_EQ(fieldNames(message),
             (std::vector<std::string>{"x", "y", "z", "normal_x", "normal_y", "normal_z", "displacement", "rgb", "shorts"}));
   expectPacked(message);
@@ -88,7 +88,7 @@ TEST(SurfaceEncoder, WritesComputedFieldsThenTheInputsOwn) {
 TEST(SurfaceEncoder, WritesWhatTheDecoderReadsBack) {
   const cloud::PointCloud input = makeInput();
   sensor_msgs::PointCloud2 message;
-  SurfaceEncoder(input, true).encode(makeSurface(input), message);
+  SurfaceEncoder(input, true, false).encode(makeSurface(input), message);
   const DecodedCloud decoded = decodeCloud(message, DecodeLimits());
   ASSERT_TRUE(decoded.ok()) << decoded.problem;
   EXPECT_EQ(decoded.cloud.normals, Points(6, Vec3::UnitY()));
@@ -103,10 +103,25 @@ TEST(SurfaceEncoder, LeavesOutNormalsThatNobodyComputes) {
   simulation::Surface surface = makeSurface(input);
   surface.normals.clear();
   sensor_msgs::PointCloud2 message;
-  SurfaceEncoder(input, false).encode(surface, message);
+  SurfaceEncoder(input, false, false).encode(surface, message);
   EXPECT_EQ(fieldNames(message), (std::vector<std::string>{"x", "y", "z", "displacement", "rgb", "shorts"}));
   expectPacked(message);
   EXPECT_EQ(readFloat(message, 2, 12), 0.5f);
+}
+
+TEST(SurfaceEncoder, WritesErrorsInPlaceOfTheInputsFieldOfThatName) {
+  cloud::PointCloud input = makeInput();
+  input.extra_fields.push_back(makeExtra("error", cloud::ScalarType::kFloat32, 1, 6));
+  simulation::Surface surface = makeSurface(input);
+  surface.error.assign(6, 0.25f);
+  sensor_msgs::PointCloud2 message;
+  SurfaceEncoder(input, true, true).encode(surface, message);
+  EXPECT_EQ(fieldNames(message), (std::vector<std::string>{"x", "y", "z", "normal_x", "normal_y", "normal_z", "displacement",
+                                                           "error", "rgb", "shorts"}));
+  expectPacked(message);
+  EXPECT_EQ(readFloat(message, 3, 24), 0.5f);
+  EXPECT_EQ(readFloat(message, 3, 28), 0.25f);
+  EXPECT_EQ(std::memcmp(message.data.data() + 5 * message.point_step + 32, input.extra_fields[0].bytes.data() + 5 * 4, 4), 0);
 }
 
 TEST(SurfaceEncoder, ReplacesFieldsOfTheInputThatItComputes) {
@@ -114,7 +129,7 @@ TEST(SurfaceEncoder, ReplacesFieldsOfTheInputThatItComputes) {
   input.extra_fields = {makeExtra("displacement", cloud::ScalarType::kFloat32, 1, 6),
                         makeExtra("normal_x", cloud::ScalarType::kFloat32, 1, 6)};
   sensor_msgs::PointCloud2 message;
-  SurfaceEncoder(input, true).encode(makeSurface(input), message);
+  SurfaceEncoder(input, true, false).encode(makeSurface(input), message);
   EXPECT_EQ(message.fields.size(), 7u);
   expectPacked(message);
 }
@@ -125,7 +140,7 @@ TEST(SurfaceEncoder, KeepsHolesInPlaceAndSaysSo) {
   surface.positions[3].setConstant(kNan);
   surface.displacement[3] = kNan;
   sensor_msgs::PointCloud2 message;
-  SurfaceEncoder(input, true).encode(surface, message);
+  SurfaceEncoder(input, true, false).encode(surface, message);
   EXPECT_FALSE(message.is_dense);
   EXPECT_EQ(message.width * message.height, 6u);
   EXPECT_TRUE(std::isnan(readFloat(message, 3, 0)) && std::isnan(readFloat(message, 3, 24)));
@@ -140,7 +155,7 @@ TEST(SurfaceEncoder, AppendsInsertedPointsWithTheFieldsOfTheirSource) {
   surface.displacement.push_back(0.25f);
   surface.source = {4};
   sensor_msgs::PointCloud2 message;
-  SurfaceEncoder(input, true).encode(surface, message);
+  SurfaceEncoder(input, true, false).encode(surface, message);
   expectPacked(message);
   EXPECT_EQ(message.width, 7u);
   EXPECT_EQ(message.height, 1u);
@@ -151,7 +166,7 @@ TEST(SurfaceEncoder, AppendsInsertedPointsWithTheFieldsOfTheirSource) {
 
 TEST(SurfaceEncoder, FillsAMessageThatWasUsedBefore) {
   const cloud::PointCloud input = makeInput();
-  const SurfaceEncoder encoder(input, true);
+  const SurfaceEncoder encoder(input, true, false);
   sensor_msgs::PointCloud2 fresh, used;
   simulation::Surface surface = makeSurface(input);
   encoder.encode(surface, fresh);

@@ -1,10 +1,29 @@
-// Statistics as a message.
+// Statistics as a message, and the surface as a cloud for files.
 #include "deformable_surface/ros/convert/surface_output.h"
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 namespace deformable_surface::node {
 namespace {
+
+TEST(MakeOutputCloud, HasErrorsInPlaceOfTheInputsFieldOfThatName) {
+  cloud::PointCloud input;
+  input.positions = Points(2, Vec3::Zero());
+  input.width = 2;
+  for (const char* name : {"error", "rgb"})
+    input.extra_fields.push_back({name, cloud::ScalarType::kFloat32, 1, {0, 1, 2, 3, 4, 5, 6, 7}});
+  simulation::Surface surface;
+  surface.positions = input.positions;
+  EXPECT_EQ(makeOutputCloud(surface, input).extra_fields.front().bytes, input.extra_fields.front().bytes);
+  surface.error = {0.5f, 0.25f};
+  const cloud::PointCloud output = makeOutputCloud(surface, input);
+  ASSERT_EQ(output.extra_fields.size(), 2u);
+  EXPECT_EQ(output.extra_fields[0].name, "error");
+  EXPECT_EQ(std::memcmp(output.extra_fields[0].bytes.data(), surface.error.data(), 8), 0);
+  EXPECT_EQ(output.extra_fields[1].name, "rgb");
+}
 
 TEST(EncodeStatistics, FillsOldNamesAsTheNewOnes) {
   simulation::Statistics statistics;

@@ -159,7 +159,7 @@ TEST(RealScan, KeepsItsOrderItsHolesAndItsColoursAndMovesWhereItIsPulled) {
   cloud::PointCloud layout = scan;
   layout.normals.clear();
   sensor_msgs::PointCloud2 message;
-  SurfaceEncoder(layout, false).encode(surface, message);
+  SurfaceEncoder(layout, false, false).encode(surface, message);
   message.header.frame_id = "camera";
   message.header.stamp = ros::Time::now();
 

@@ -11,19 +11,20 @@
 namespace deformable_surface::node {
 
 /// The layout of ~deformed, made once per input cloud, so that a frame only copies. Fields, tightly packed: x y z, normal_x
-/// normal_y normal_z (if wanted), displacement, then the input's extra fields except those with one of these names.
+/// normal_y normal_z (if wanted), displacement, error (if wanted), then the input's extra fields except those with one of these
+/// names.
 class SurfaceEncoder {
  public:
-  SurfaceEncoder(const cloud::PointCloud& input, bool with_normals);
+  SurfaceEncoder(const cloud::PointCloud& input, bool with_normals, bool with_error);
 
-  /// Fills all but the header. The surface must stem from the input given to the constructor, with normals if they are
-  /// wanted. Without inserted points the width and height are those of the input, else the height is one. Throws InputError if
-  /// the points do not fit in a message.
+  /// Fills all but the header. The surface must stem from the input given to the constructor, with normals and errors if
+  /// they are wanted. Without inserted points the width and height are those of the input, else the height is one. Throws
+  /// InputError if the points do not fit in a message.
   void encode(const simulation::Surface& surface, sensor_msgs::PointCloud2& message) const;
 
  private:
   std::uint32_t width_, height_;
-  bool with_normals_;
+  bool with_normals_, with_error_;
   std::vector<sensor_msgs::PointField> fields_;
   std::uint32_t computed_size_ = 0;        // bytes of a point that change from frame to frame
   std::uint32_t extra_size_ = 0;           // bytes of a point that stay

@@ -21,7 +21,8 @@ class MassSpringKind : public ModelKind {
   const char* name() const override { return "mass_spring"; }
   ModelTraits traits() const override {
     ModelTraits traits;
-    traits.is_surface = traits.has_springs = traits.has_regions = traits.has_estimate = true;
+    traits.is_surface = traits.has_springs = traits.has_regions = true;
+    traits.has_estimate = traits.has_local_estimate = true;
     traits.is_tuned = traits.is_timed = traits.can_snap = traits.meets_itself = traits.is_prepared = true;
     return traits;
   }
