@@ -39,6 +39,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
   probe.candidate = tried;
   SceneParams quiet = params;
   quiet.accuracy = AccuracyParams{};
+  quiet.accuracy.regions = params.accuracy.regions;
   quiet.output.resample = quiet.output.error = false;
   quiet.integrator.type = tried.integrator;
   EstimatedDynamics trial(quiet, buildTrial(quiet, full, tried.points));
@@ -63,7 +64,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     if (beside) probe.apart.push_back(apart);
     // Where the search for an equilibrium ended elsewhere, nothing is known of its error.
     const bool is_sound = outcome.ok && (!is_static || outcome.report.converged);
-    const double now = is_sound ? trial.total() : std::numeric_limits<double>::infinity();
+    const double now = is_sound ? trial.errorInRegions() : std::numeric_limits<double>::infinity();
     if (now > estimate) probe.time_error = trial.timeError();
     estimate = std::max(estimate, now);
     probe.candidate.is_bounded = probe.candidate.is_bounded && is_sound && trial.estimator()->isBounded();

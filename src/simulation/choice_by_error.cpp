@@ -1,5 +1,6 @@
 #include "choice_by_error.h"
 
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/simulation/model_kind.h"
 
@@ -72,7 +73,7 @@ class ChoiceByError {
         budget_(isSmall() ? kFreeWorkOfSmall : 0.0) {}
 
   void choose() {
-    asked_ = "accuracy.position_error " + formatReal(target_) + " m: ";
+    asked_ = "accuracy.position_error " + formatReal(target_) + " m" + countPlaces() + ": ";
     if (isSmall()) {
       chooseAll();
     } else {
@@ -90,6 +91,17 @@ class ChoiceByError {
   }
 
  private:
+  // How many points of the cloud the target counts at, in words. InputError if these are none.
+  std::string countPlaces() const {
+    if (params_.accuracy.regions.empty()) return "";
+    const Points& cloud = full_.dense.positions;
+    const auto counts = std::count_if(cloud.begin(), cloud.end(), [&](const Vec3& p) { return isInTarget(params_.accuracy, p); });
+    if (counts == 0)
+      throw InputError("accuracy.regions: the shapes hold none of the " + std::to_string(n_) +
+                       " points at rest; accepted: shapes that hold at least one");
+    return " at " + std::to_string(counts) + " points in accuracy.regions";
+  }
+
   // The fewest points that are tried are nearly all of them.
   bool isSmall() const { return most_ < kFewestTried; }
   bool isStatic() const { return params_.integrator.type == IntegratorType::kStatic; }

@@ -5,6 +5,7 @@
 #include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/cloud/kd_tree.h"
 
 #include <algorithm>
 #include <atomic>
@@ -25,6 +26,7 @@ constexpr double kLeastFineness = 1.5;
 // Fitted on scenes that benchmark/calibration_section.cpp draws with other seeds; see docs/accuracy_control.md.
 constexpr double kSpaceFactor = 1.6;     // also for losses of the transfer, and for solids
 constexpr double kParticleFactor = 2.5;  // see docs/oriented_particles.md
+constexpr double kRegionFactor = 2.2;    // of the largest distance in a region; 0.6 of the estimate is then meant to cover it
 constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
 // With fewer simulation points estimates were below errors. The same holds for more than this share of the input's points, except
@@ -48,6 +50,22 @@ constexpr Index kAnyNumber = 1000000000;
 // one, whose second order only shows in motions that it resolves.
 bool isDamping(IntegratorType type) {
   return type == IntegratorType::kImplicit || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
+}
+
+// The simulation points that points of the cloud in the target's regions follow, ascending.
+std::vector<Index> findFollowed(const RestSurface& level, const SceneParams& params) {
+  const cloud::KdTree tree(level.points);
+  std::vector<char> is_followed(level.points.size(), 0);
+  std::vector<cloud::Neighbor> nearest;
+  for (const Vec3& p : level.dense.positions) {
+    if (!isInTarget(params.accuracy, p)) continue;
+    tree.nearest(p, params.transfer.k, nearest);
+    for (const cloud::Neighbor& neighbor : nearest) is_followed[neighbor.index] = 1;
+  }
+  std::vector<Index> followed;
+  for (std::size_t i = 0; i < is_followed.size(); ++i)
+    if (is_followed[i] != 0) followed.push_back(static_cast<Index>(i));
+  return followed;
 }
 
 }  // namespace
@@ -80,7 +98,8 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   disturbance_ = (is_simplified_ || is_body_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
   has_hinged_pins_ = level.has_hinged_pins;
-  is_local_ = params.output.error && (is_simplified_ || is_body_);
+  is_local_ = (params.output.error || !params.accuracy.regions.empty()) && (is_simplified_ || is_body_);
+  if (is_local_ && !params.accuracy.regions.empty()) watched_ = findFollowed(level, params);
   coarse_now_ = surface.points;
   const IntegratorType type = params.integrator.type;
   const Index max_substeps = coarse.integrator.max_substeps;
@@ -107,6 +126,7 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
       has_hinged_pins_(other.has_hinged_pins_),
       is_calibrated_(other.is_calibrated_),
       is_local_(other.is_local_),
+      watched_(other.watched_),
       unresolved_(other.unresolved_),
       step_(other.step_),
       disturbance_(other.disturbance_),
@@ -450,6 +470,13 @@ double ErrorEstimator::total() const {
   return std::max(seen_.space + seen_.transfer + seen_.time + seen_.others, kSpaceFactor * seen_.depth);
 }
 
-double ErrorEstimator::bound() const { return isBounded() ? total() : std::numeric_limits<double>::infinity(); }
+double ErrorEstimator::inRegions() const {
+  const double all = total();
+  if (watched_.empty() || !std::isfinite(all)) return all;
+  float apart = 0.0f;
+  if (!seen_.apart.empty())
+    for (const Index i : watched_) apart = std::max(apart, seen_.apart[i]);
+  return std::min(all, std::max(kRegionFactor * apart + seen_.time + seen_.others, kSpaceFactor * seen_.depth));
+}
 
 }  // namespace deformable_surface::simulation

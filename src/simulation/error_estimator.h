@@ -80,8 +80,8 @@ class ErrorEstimator {
   bool isBounded() const;
   /// Their sum, m; infinite where nothing can be said.
   double total() const;
-  /// The same where it is meant to bound the error, else infinite. For targets.
-  double bound() const;
+  /// The same of the points in params.accuracy.regions. Without regions it is total().
+  double inRegions() const;
 
  private:
   template <class Visit>
@@ -126,6 +126,7 @@ class ErrorEstimator {
   bool has_hinged_pins_ = false;                        // see RestSurface
   bool is_calibrated_ = false;                          // see isCalibrated()
   bool is_local_ = false;                               // apart() is wanted
+  std::vector<Index> watched_;                          // simulation points that those in accuracy.regions follow
   double unresolved_ = 1.0;                             // share of the surface's points that are no simulation points
   double step_ = 0.0;                                   // s
   double disturbance_ = 0.0;                            // m, of the twin

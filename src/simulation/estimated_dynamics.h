@@ -20,8 +20,9 @@ class EstimatedDynamics {
   const Dynamics& dynamics() const { return *dynamics_; }
   ErrorEstimator* estimator() { return estimator_.get(); }  // null: no estimate
   const ErrorEstimator* estimator() const { return estimator_.get(); }
-  /// With an estimate, m: its sum, and the part of time stepping; both with the error of falling asleep.
-  double total() const { return estimator_->total() + dynamics_->activity().lost(); }
+  /// With an estimate, m: that of the points in accuracy.regions, and the part of time stepping; both with the error of falling
+  /// asleep.
+  double errorInRegions() const { return estimator_->inRegions() + dynamics_->activity().lost(); }
   double timeError() const { return estimator_->time() + dynamics_->activity().lost(); }
 
   Changes apply(const Command& command);

@@ -2,6 +2,7 @@
 #include "../../src/simulation/choice_by_error.h"
 
 #include "../../src/simulation/accuracy_probe.h"
+#include "deformable_surface/base/error.h"
 #include "sagging_strip.h"
 
 #include <gtest/gtest.h>
@@ -33,6 +34,32 @@ TEST(ChoiceByError, HonoursAPositionErrorWithNoMorePointsThanItNeeds) {
     EXPECT_LE(findLargestDistance(s.surface(false).positions, truth), target);
   }
   EXPECT_LT(previous, cloud.size());
+}
+
+// The end of the strip sags most.
+TEST(ChoiceByError, TakesFewerPointsForTheErrorInARegion) {
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  const cloud::PointCloud cloud = strip();
+  const Points truth = findTruth(p, cloud);
+  p.accuracy.position_error = 0.008;
+  const Index everywhere = Simulation(p, cloud).accuracyChoice().points;
+  p.accuracy.regions.resize(1);
+  p.accuracy.regions[0].region.min = Vec3(0.1, -1.0, -1.0);
+  p.accuracy.regions[0].region.max = Vec3(0.2, 1.0, 1.0);
+  Simulation s(p, cloud);
+  const simulation::AccuracyChoice& choice = s.accuracyChoice();
+  EXPECT_TRUE(choice.is_met) << choice.sentence;
+  EXPECT_LT(choice.points, everywhere) << choice.sentence;
+  EXPECT_NE(choice.sentence.find("points in accuracy.regions"), std::string::npos) << choice.sentence;
+  run(s, 30);
+  const Points& found = s.surface(false).positions;
+  double inside = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    if (isInTarget(p.accuracy, cloud.positions[i])) inside = std::max(inside, (found[i] - truth[i]).norm());
+  EXPECT_GT(inside, 0.0);
+  EXPECT_LE(inside, p.accuracy.position_error);
+  p.accuracy.regions[0].region.max.x() = 0.100001;
+  EXPECT_THROW(Simulation(p, cloud), InputError);
 }
 
 TEST(ChoiceByError, SaysOnceWhenTheEstimateGrowsBeyondTheTargetLater) {

@@ -34,6 +34,14 @@ TEST(SceneRules, WhatNeedsSidesIsRefusedOfABody) {
   EXPECT_FALSE(isRefused(scene, "pressure"));
 }
 
+TEST(SceneRules, RegionsOfATargetNeedATarget) {
+  SceneParams scene;
+  scene.accuracy.regions.resize(1);
+  EXPECT_TRUE(isRefused(scene, "accuracy.regions"));
+  scene.accuracy.position_error = 0.01;
+  EXPECT_FALSE(isRefused(scene, "accuracy.regions"));
+}
+
 TEST(SceneRules, ErrorsOfPointsNeedAnEstimateByCopiesWithPointsOfTheSurface) {
   SceneParams scene;
   scene.output.error = true;

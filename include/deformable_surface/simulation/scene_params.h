@@ -52,12 +52,24 @@ struct CloudParams {
   double scale = 1.0;       // > 0, file units to metres
 };
 
-struct AccuracyParams {
-  double position_error = 0.0;  // m, >= 0; 0 = not controlled
-  double step_budget = 0.0;     // s of wall time per step, >= 0; 0 = not controlled
-  bool estimate = true;         // estimate the error in every step
-  bool remember = true;         // what trials for a position_error chose, on disk
+/// Points that lie in the region at rest.
+struct PlacesParams {
+  geometry::Region region;
 };
+
+struct AccuracyParams {
+  double position_error = 0.0;        // m, >= 0; 0 = not controlled
+  std::vector<PlacesParams> regions;  // where position_error counts: in any of these; none: everywhere
+  double step_budget = 0.0;           // s of wall time per step, >= 0; 0 = not controlled
+  bool estimate = true;               // estimate the error in every step
+  bool remember = true;               // what trials for a position_error chose, on disk
+};
+
+/// Whether the position error counts at a point with this rest position.
+inline bool isInTarget(const AccuracyParams& params, const Vec3& rest) {
+  const auto holds = [&](const PlacesParams& places) { return places.region.contains(rest); };
+  return params.regions.empty() || std::any_of(params.regions.begin(), params.regions.end(), holds);
+}
 
 /// Holds the points whose rest position lies in the region.
 struct PinParams {
@@ -260,10 +272,16 @@ inline void visit(Fields& fields, CloudParams& p) {
   fields.number("scale", p.scale, "", between(1e-9, 1e9), "file: metres per file unit");
 }
 
+inline void visit(Fields& fields, PlacesParams& p) { geometry::visitRegion(fields, p.region); }
+
 inline void visit(Fields& fields, AccuracyParams& p) {
   fields.number("position_error", p.position_error, "m", between(0.0, kMaxLength),
                 "accuracy target for the position error. Chooses the fewest points, then the softest membrane, that meet it over "
                 "`duration`. Needs `simplification.threshold: auto`; 0 = off");
+  fields.list("regions", p.regions,
+              "The position_error counts at points that lie in any of these boxes and spheres at rest. None: at all points.");
+  fields.require(p.regions.empty() || p.position_error > 0.0, "regions",
+                 "found some without a position_error, which they are for; accepted: none, or beside one");
   fields.number("step_budget", p.step_budget, "s", between(0.0, 1e6),
                 "target for the wall time per step. Chooses the most points that meet it. Runs are then not bit-identical. Needs "
                 "`simplification.threshold: auto`; 0 = off");
