@@ -173,18 +173,18 @@ void DeformedSurface::fillRows(Index begin, Index end, bool with_normals) {
 }
 
 void DeformedSurface::setErrors(const LocalErrors& errors) {
+  const bool is_known = std::isfinite(errors.most);
+  if (is_known && !errors.apart.empty())
+    currentTransfer().findLargest(errors.apart, dense_apart_);
+  else
+    dense_apart_.assign(rest_.dense.positions.size(), 0.0f);
   const Index n = input_.size();
   surface_.error.resize(n);
-  if (errors.apart.empty())
-    dense_apart_.assign(rest_.dense.positions.size(), 0.0f);
-  else
-    currentTransfer().findLargest(errors.apart, dense_apart_);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Index d = rest_.dense.point_of_input[i];
-      const double here = d < 0 ? 0.0 : dense_apart_[d] + errors.everywhere;
-      surface_.error[i] =
-          d < 0 ? kNaN : static_cast<float>(std::isfinite(errors.most) ? std::min(here, errors.most) : errors.most);
+      const double here = is_known && d >= 0 ? std::min(dense_apart_[d] + errors.everywhere, errors.most) : errors.most;
+      surface_.error[i] = d < 0 ? kNaN : static_cast<float>(here);
     }
   });
 }

@@ -22,7 +22,7 @@ EstimatedDynamics makeHanging(double gravity) {
 
 double errorAfter(EstimatedDynamics& sheet, int steps) {
   for (int k = 0; k < steps; ++k) EXPECT_TRUE(sheet.step().ok);
-  return sheet.total();
+  return sheet.errorInRegions();
 }
 
 TEST(EstimatedDynamics, GivesItsCopiesTheCommandsThatItTakes) {
@@ -44,7 +44,7 @@ TEST(EstimatedDynamics, ForksWithItsEstimateUnlessItIsOnlyLookedAt) {
 TEST(EstimatedDynamics, HasNoEstimateOfAStateThatCameWithoutOne) {
   EstimatedDynamics sheet = makeHanging(-4.0);
   sheet.restore(sheet.dynamics().save(), nullptr, false);
-  EXPECT_TRUE(std::isinf(sheet.total()));
+  EXPECT_TRUE(std::isinf(sheet.errorInRegions()));
   sheet.reset();
   EXPECT_TRUE(std::isfinite(errorAfter(sheet, 2)));
 }

@@ -101,10 +101,9 @@ std::vector<InterfaceEntry> makeTable() {
        "deformed",
        "sensor_msgs/PointCloud2",
        "the deformed cloud: x y z, normal_x normal_y normal_z, displacement (m), with `output.error` error (m), then the input's "
-       "other "
-       "fields. One point per input point, in the same order. Removed points are NaN. New particles are appended; they copy the "
-       "extra fields of their "
-       "parent, and their displacement is NaN. Latched. Published on change and to new subscribers",
+       "other fields. One point per input point, in the same order. Removed points are NaN. New particles are appended; they "
+       "copy "
+       "the extra fields of their parent, and their displacement is NaN. Latched. Published on change and to new subscribers",
        {}},
       {Kind::kPublished, "deformed_update", "deformable_surface/DeformedUpdate",
        "incremental version of `~deformed`: only the changed rows. New subscribers get all rows first", define<DeformedUpdate>()},
