@@ -66,7 +66,7 @@ def render(points, values, low, high, view, center, extent, size, spacing, color
     front = order[np.append(first_of_next, len(order) - 1)]
 
     depth, owner = np.full(size * size, -np.inf), np.full(size * size, -1)
-    ball = max(1.5, spacing / pixel)
+    ball = min(max(1.5, spacing / pixel), size / 16)  # a few points far apart are still points
     reach = int(ball)
     for dy in range(-reach, reach + 1):
         for dx in range(-reach, reach + 1):

@@ -99,7 +99,7 @@ class ChoiceByError {
     if (counts == 0)
       throw InputError("accuracy.regions: the shapes hold none of the " + std::to_string(n_) +
                        " points at rest; accepted: shapes that hold at least one");
-    return " at " + std::to_string(counts) + " points in accuracy.regions";
+    return " in accuracy.regions, which hold " + std::to_string(counts) + " of the cloud's points";
   }
 
   // The fewest points that are tried are nearly all of them.

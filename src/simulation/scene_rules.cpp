@@ -50,9 +50,12 @@ void requireModel(Fields& fields, const SceneParams& p) {
   fields.require(p.simplification.density == cloud::PointDensity::kUniform || is_chosen, "simplification.density",
                  "found adaptive where no points are chosen by it; accepted: uniform, or model: " +
                      listModels(&ModelTraits::is_tuned) + " with simplification.method: delaunay");
-  fields.require(!p.output.error || (p.accuracy.estimate && !p.output.resample && traits.has_local_estimate), "output.error",
-                 "found true; accepted: false, or with accuracy.estimate, without output.resample and with model: " +
-                     listModels(&ModelTraits::has_local_estimate));
+  fields.require(!p.output.error || p.accuracy.estimate, "output.error",
+                 "found true without accuracy.estimate; accepted: false, or both true");
+  fields.require(!p.output.error || !p.output.resample, "output.error",
+                 "found true beside output.resample, whose points have no estimate; accepted: one of the two");
+  fields.require(!p.output.error || traits.has_local_estimate, "output.error",
+                 "found true with " + p.model + "; accepted: false, or model: " + listModels(&ModelTraits::has_local_estimate));
   fields.require(traits.has_springs || !(p.material.spring_damping > 0.0), "material.spring_damping",
                  "found " + formatReal(p.material.spring_damping) + " with a model that has no springs; accepted: 0");
   fields.require(traits.meets_itself || !p.contact.self.valueOr(false), "contact.self",

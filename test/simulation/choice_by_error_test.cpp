@@ -50,7 +50,7 @@ TEST(ChoiceByError, TakesFewerPointsForTheErrorInARegion) {
   const simulation::AccuracyChoice& choice = s.accuracyChoice();
   EXPECT_TRUE(choice.is_met) << choice.sentence;
   EXPECT_LT(choice.points, everywhere) << choice.sentence;
-  EXPECT_NE(choice.sentence.find("points in accuracy.regions"), std::string::npos) << choice.sentence;
+  EXPECT_NE(choice.sentence.find("in accuracy.regions, which hold "), std::string::npos) << choice.sentence;
   run(s, 30);
   const Points& found = s.surface(false).positions;
   double inside = 0.0;

@@ -1,5 +1,6 @@
 #include "deformable_surface/simulation/friction_load.h"
 #include "clouds.h"
+#include "deformable_surface/io/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -194,6 +195,42 @@ TEST(FrictionLoad, ASheetSwaysOnASoftPad) {
     }
     EXPECT_GT(swing, 0.03) << static_cast<int>(type);
     EXPECT_LT(rise, 0.02 * swing) << static_cast<int>(type);
+  }
+}
+
+// An undamped sheet falls on a soft pad aslant, slides, sticks and leaves it again.
+TEST(FrictionLoad, ASheetThatFallsOnASoftPadGainsNoEnergy) {
+  for (const Type type : {Type::kVerlet, Type::kImplicit}) {
+    simulation::SceneParams p;
+    p.material.young_modulus = 1.5e5;
+    p.material.thickness = 0.004;
+    p.sleep.mode = simulation::Sleep::kNever;
+    p.accuracy.estimate = false;
+    p.integrator.type = type;
+    p.integrator.time_step = 5e-4;
+    p.gravity = Vec3(4.0, 0.0, -9.0);
+    p.contact.compliance = 5e-6;
+    tool::ToolParams plane = ball(0.1, Vec3(0.0, 0.0, -1e-3), Vec3::Zero());
+    plane.shape.kind = geometry::Solid::Kind::kPlane;
+    plane.path.resize(1);
+    plane.friction = 2.0;
+    p.tools = {plane};
+    simulation::CloudParams sheet;
+    sheet.shape = simulation::CloudParams::Shape::kSheet;
+    sheet.points = 100;
+    sheet.size = Vec2(0.5, 0.5);
+    simulation::Simulation s(p, io::makeShape(sheet));
+    double lowest = s.statistics().potential_energy, rise = 0.0, fastest = 0.0;  // J
+    for (int k = 0; k < 160; ++k) {
+      ASSERT_TRUE(s.step().ok);
+      const simulation::Statistics now = s.statistics();
+      const double energy = now.kinetic_energy + now.elastic_energy + now.potential_energy;
+      lowest = std::min(lowest, energy);
+      rise = std::max(rise, energy - lowest);
+      fastest = std::max(fastest, now.kinetic_energy);
+    }
+    EXPECT_GT(fastest, 5e-3);
+    EXPECT_LT(rise, 1e-6 * fastest) << static_cast<int>(type);
   }
 }
 

@@ -28,12 +28,12 @@ struct FrictionLaw {
     const double size = findTrial(stretch, sliding).norm(), most = limit(slides);
     return size > most ? most / size : 1.0;
   }
-  /// At the end of a step: returns whether the point slides from now on, and reduces the stretch to the remaining one.
+  /// At the end of a step: returns whether the point slides from now on, and reduces the stretch to the remaining one. Damping
+  /// alone stretches no spring: it would hold energy that no motion has put in.
   bool slide(Vec3& stretch, const Vec3& sliding, bool slid) const {
-    const Vec3 trial = findTrial(stretch, sliding);
-    const double size = trial.norm();
-    if (!(size > limit(slid))) return false;
-    stretch = -(kinetic_limit / (stiffness * size)) * trial;
+    if (!(findTrial(stretch, sliding).norm() > limit(slid))) return false;
+    const double pull = stiffness * stretch.norm();
+    if (pull > kinetic_limit) stretch *= kinetic_limit / pull;
     return true;
   }
   /// Of the spring after slide(), J. A spring that slackens against its damping can hold more than the limit shows.

@@ -31,7 +31,7 @@ struct ModelTraits {
   bool meets_itself = false;             // its triangles may touch: contact.self
   bool has_regions = false;              // the material may differ from point to point
   bool has_estimate = false;             // makeCopies() gives the copies of the error estimate
-  bool has_local_estimate = false;       // and these have points of the simulation: output.error
+  bool has_local_estimate = false;       // and the cloud follows by RestSurface::transfer: output.error
   bool is_tuned = false;                 // trials choose points, membrane stiffness and integrator for an accuracy target
   bool is_timed = false;                 // accuracy.step_budget chooses the number of points
   bool can_snap = false;                 // it may rest without loads in another shape than its own

@@ -281,7 +281,7 @@ inline void visit(Fields& fields, AccuracyParams& p) {
   fields.list("regions", p.regions,
               "The position_error counts at points that lie in any of these boxes and spheres at rest. None: at all points.");
   fields.require(p.regions.empty() || p.position_error > 0.0, "regions",
-                 "found some without a position_error, which they are for; accepted: none, or beside one");
+                 "found regions without a position_error; accepted: none, or a position_error that counts in them");
   fields.number("step_budget", p.step_budget, "s", between(0.0, 1e6),
                 "target for the wall time per step. Chooses the most points that meet it. Runs are then not bit-identical. Needs "
                 "`simplification.threshold: auto`; 0 = off");

@@ -52,7 +52,7 @@ class ElasticSolidKind : public ModelKind {
   const char* name() const override { return "elastic_solid"; }
   ModelTraits traits() const override {
     ModelTraits traits;
-    traits.has_estimate = traits.has_local_estimate = traits.is_prepared = traits.meets_itself = true;
+    traits.has_estimate = traits.is_prepared = traits.meets_itself = true;
     traits.contact_stiffening = kContactStiffening;
     traits.self_contact_stiffening = kSelfContactStiffening;
     return traits;
