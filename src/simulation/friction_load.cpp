@@ -40,7 +40,7 @@ FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const model::State&
   const BodyAnchor* const anchor = findAnchor(state.friction, body.key, touch.point);
   const Vec3 moved = anchor ? Vec3(x - body.pose.position - body.pose.orientation * anchor->place) : Vec3::Zero();
   return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing, spring,
-           std::sqrt(spring / full) * contact_.points().dampedMassOf(touch.point) * rate},
+           std::sqrt(spring / full) * contact_.points().dampedMassOf(touch.point) * rate, touch.softness < 1.0},
           alongSurface(moved, touch.normal),
           alongSurface(contact_.points().findVelocity(touch.point, state.velocities) - body.motion.velocityAt(x), touch.normal),
           anchor && anchor->slides};
