@@ -164,24 +164,30 @@ TEST(FrictionLoad, APatchSlidesAsFarAsCoulombSays) {
   }
 }
 
+// Nothing damps; the pad is a plane at this height (m).
+simulation::SceneParams sheetOverPad(Type type, double height) {
+  simulation::SceneParams p;
+  p.sleep.mode = simulation::Sleep::kNever;
+  p.accuracy.estimate = false;
+  p.integrator.type = type;
+  tool::ToolParams plane = ball(0.1, Vec3(0.0, 0.0, height), Vec3::Zero());
+  plane.shape.kind = geometry::Solid::Kind::kPlane;
+  plane.path.resize(1);
+  plane.friction = 2.0;
+  p.tools = {plane};
+  return p;
+}
+
 // An undamped sheet is laid on a soft pad and pushed along it: it sways on the pad's tangential springs. What they hold while it
 // comes to a stop counts, and comes back.
 TEST(FrictionLoad, ASheetSwaysOnASoftPad) {
   for (const Type type : {Type::kVerlet, Type::kImplicit}) {
-    simulation::SceneParams p;
+    simulation::SceneParams p = sheetOverPad(type, 0.0);
     p.material.young_modulus = 1.5e7;
     p.material.thickness = 0.003;
-    p.sleep.mode = simulation::Sleep::kNever;
-    p.accuracy.estimate = false;
-    p.integrator.type = type;
     p.integrator.time_step = 0.006;
     p.gravity = Vec3(8.6, 0.0, -4.8);
     p.contact.compliance = 1e-3;
-    tool::ToolParams plane = ball(0.1, Vec3::Zero(), Vec3::Zero());
-    plane.shape.kind = geometry::Solid::Kind::kPlane;
-    plane.path.resize(1);
-    plane.friction = 2.0;
-    p.tools = {plane};
     simulation::Simulation s(p, sheetCloud(10));
     double lowest = 0.0, rise = 0.0, slowest = 1.0, swing = 0.0;  // J
     for (int k = 0; k < 120; ++k) {
@@ -201,20 +207,12 @@ TEST(FrictionLoad, ASheetSwaysOnASoftPad) {
 // An undamped sheet falls on a soft pad aslant, slides, sticks and leaves it again.
 TEST(FrictionLoad, ASheetThatFallsOnASoftPadGainsNoEnergy) {
   for (const Type type : {Type::kVerlet, Type::kImplicit}) {
-    simulation::SceneParams p;
+    simulation::SceneParams p = sheetOverPad(type, -1e-3);
     p.material.young_modulus = 1.5e5;
     p.material.thickness = 0.004;
-    p.sleep.mode = simulation::Sleep::kNever;
-    p.accuracy.estimate = false;
-    p.integrator.type = type;
     p.integrator.time_step = 5e-4;
     p.gravity = Vec3(4.0, 0.0, -9.0);
     p.contact.compliance = 5e-6;
-    tool::ToolParams plane = ball(0.1, Vec3(0.0, 0.0, -1e-3), Vec3::Zero());
-    plane.shape.kind = geometry::Solid::Kind::kPlane;
-    plane.path.resize(1);
-    plane.friction = 2.0;
-    p.tools = {plane};
     simulation::CloudParams sheet;
     sheet.shape = simulation::CloudParams::Shape::kSheet;
     sheet.points = 100;
