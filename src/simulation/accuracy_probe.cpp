@@ -68,7 +68,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     if (now > estimate) probe.time_error = trial.timeError();
     estimate = std::max(estimate, now);
     probe.candidate.is_bounded = probe.candidate.is_bounded && is_sound && trial.estimator()->isBounded();
-    probe.candidate.error = (probe.candidate.is_bounded ? kErrorOverEstimate : kErrorOverUnbounded) * estimate + apart;
+    probe.candidate.error = estimate + apart;
     probe.candidate.may_buckle = trial.estimator()->mayBuckle();
     const double iteration = taken.is_quasi_newton ? kQuasiNewtonWork : newtonWork(tried.points);
     const double substeps = taken.iterations > 0 ? iteration * taken.iterations : taken.substeps;
@@ -79,7 +79,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     probe.until = static_cast<double>(k) * params.integrator.time_step;
     probe.failed = probe.candidate.error > target;
     // More points may have a bound, if more can be tried.
-    const double least = limits.hopeless > target ? kErrorOverEstimate * estimate + apart : probe.candidate.error;
+    const double least = limits.hopeless > target ? findLeastError(probe.candidate) : probe.candidate.error;
     const bool is_hopeless = probe.failed && least > limits.hopeless;
     // An estimate of the work from fewer points can be too low. This trial knows it better.
     const double whole = probe.candidate.work * (static_cast<double>(steps) / k) * limits.whole_over_own;

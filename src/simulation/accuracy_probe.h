@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "error_estimator.h"
+
 namespace deformable_surface::simulation {
 
 /// The first number of points tried: its coarser copies still carry a shape, and a step of it costs next to nothing.
 constexpr Index kFewestTried = 8 * kCoarsestPoints;
 
-/// Largest error expected of a run over its largest estimate, if that was a bound at every step, and if it was none: 95 % of runs
-/// stay below. Estimates cover the error at every step; both are at their largest seldom at once. Fitted:
-/// docs/accuracy_control.md.
-constexpr double kErrorOverEstimate = 0.6, kErrorOverUnbounded = 1.5;
+/// The error expected of a trial if its estimate were a bound, m: that of more points may be.
+inline double findLeastError(const AccuracyChoice::Candidate& c) { return c.is_bounded ? c.error : c.error / kUnboundedFactor; }
 
 /// "N of n points".
 std::string sayPoints(Index points, Index of);

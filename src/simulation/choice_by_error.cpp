@@ -40,11 +40,6 @@ constexpr double kCostExponent = 1.5, kCostExponentOfTools = 1.25;
 // As far as two trials may be believed.
 constexpr double kLeastCostExponent = 1.0, kLargestCostExponent = 1.5;
 
-// As if its estimate were a bound, m: that of more points may be.
-double findLeastError(const Candidate& c) {
-  return c.is_bounded ? c.error : c.error * (kErrorOverEstimate / kErrorOverUnbounded);
-}
-
 // The number of points whose error is expected at the target, by trials of fewer: not finite where these say nothing.
 double predictPoints(const std::vector<Probe>& trials, double target) {
   const Candidate& last = trials.back().candidate;

@@ -24,9 +24,10 @@ constexpr Index kFineness = 2;  // of the copy in finer sub-steps: the differenc
 constexpr double kLeastFineness = 1.5;
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws with other seeds; see docs/accuracy_control.md.
-constexpr double kSpaceFactor = 1.6;     // also for losses of the transfer, and for solids
+constexpr double kSolidFactor = 1.6;     // of distances between copies of solids; there is none for mass-spring surfaces
 constexpr double kParticleFactor = 2.5;  // see docs/oriented_particles.md
-constexpr double kRegionFactor = 2.2;    // of the largest distance in a region; 0.6 of the estimate is then meant to cover it
+constexpr double kRegionFactor = 1.3;    // of the largest distance in a region
+constexpr double kDepthFactor = 1.6;     // of points in tools
 constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
 // With fewer simulation points estimates were below errors. The same holds for more than this share of the input's points, except
@@ -383,8 +384,9 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   // An oscillating difference passes through zero, unlike the error: the largest value so far counts as long as damping allows.
   const double lasting = type == IntegratorType::kStatic ? 0.0 : std::exp(-0.5 * level.system().damping() * step_);
   const auto hold = [&](double& held, double now) { held = std::max(lasting * held, now); };
-  hold(seen_.space, (common_.empty() ? kParticleFactor : kSpaceFactor) * (is_body_ ? 1.0 : unresolved_) * apart);
-  hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
+  const double factor = is_body_ ? kSolidFactor : common_.empty() ? kParticleFactor : 1.0;
+  hold(seen_.space, factor * (is_body_ ? 1.0 : unresolved_) * apart);
+  hold(seen_.transfer, factor * unresolved_ * lost);
   if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
   if (is_local_) followPlaces(level, lasting);
   std::string notice = followTools(level, lasting);
@@ -414,7 +416,7 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   return notice;
 }
 
-// Without the factors of the largest error, which cover the worst of many points. Held points are where they should be.
+// Held points are where they should be.
 void ErrorEstimator::followPlaces(const Dynamics& level, double lasting) {
   const Points& positions = level.state().positions;
   refine_(shadow_->state().positions, refined_);
@@ -467,7 +469,7 @@ bool ErrorEstimator::isBounded() const {
 double ErrorEstimator::total() const {
   const bool is_unknown = seen_.is_lost || has_hinged_pins_ || (seen_.is_unbalanced && !is_simplified_ && !is_body_);
   if (is_unknown) return std::numeric_limits<double>::infinity();
-  return std::max(seen_.space + seen_.transfer + seen_.time + seen_.others, kSpaceFactor * seen_.depth);
+  return std::max(boundFactor() * (seen_.space + seen_.transfer + seen_.time + seen_.others), kDepthFactor * seen_.depth);
 }
 
 double ErrorEstimator::inRegions() const {
@@ -476,7 +478,7 @@ double ErrorEstimator::inRegions() const {
   float apart = 0.0f;
   if (!seen_.apart.empty())
     for (const Index i : watched_) apart = std::max(apart, seen_.apart[i]);
-  return std::min(all, std::max(kRegionFactor * apart + seen_.time + seen_.others, kSpaceFactor * seen_.depth));
+  return std::min(all, std::max(boundFactor() * (kRegionFactor * apart + seen_.time + seen_.others), kDepthFactor * seen_.depth));
 }
 
 }  // namespace deformable_surface::simulation

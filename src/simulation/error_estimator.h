@@ -13,6 +13,10 @@
 
 namespace deformable_surface::simulation {
 
+/// The sum of the distances between copies is meant to cover the largest error in 95 % of scenes; where it is no bound, this many
+/// times the sum is.
+constexpr double kUnboundedFactor = 2.0;
+
 /// Method, calibration and limits: docs/accuracy_control.md.
 class ErrorEstimator {
  public:
@@ -76,9 +80,9 @@ class ErrorEstimator {
   /// Whether the surface may have buckled since the last reset or set state where its points do not show it.
   bool mayBuckle() const { return seen_.may_buckle; }
   /// What they are calibrated for is not the case: small differences grow, or the last step ended out of balance. The estimate is
-  /// then the difference between copies and no bound of the error. See docs/accuracy_control.md.
+  /// then kUnboundedFactor times what it would be with a bound, and none. See docs/accuracy_control.md.
   bool isBounded() const;
-  /// Their sum, m; infinite where nothing can be said.
+  /// Their sum, m, without a bound times kUnboundedFactor; infinite where nothing can be said.
   double total() const;
   /// The same of the points in params.accuracy.regions. Without regions it is total().
   double inRegions() const;
@@ -116,6 +120,7 @@ class ErrorEstimator {
   // The copy that takes the same kind of steps as the twin: a damping method cannot show chaos.
   const Dynamics& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
+  double boundFactor() const { return isBounded() ? 1.0 : kUnboundedFactor; }
   Buckling judgeBuckling(const Dynamics& level);
   std::string followTools(const Dynamics& level, double lasting);
   std::string followMeeting(const Dynamics& level);

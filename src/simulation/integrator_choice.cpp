@@ -28,7 +28,7 @@ bool mayChooseIntegrator(const SceneParams& params) {
 void tryVerlet(const SceneParams& params, const RestSurface& full, WorkBudget& budget, Probe& failed, AccuracyChoice& choice) {
   const double target = params.accuracy.position_error;
   const Candidate& implicit = failed.candidate;
-  if (!failed.is_implicit || !(implicit.error - kErrorOverEstimate * failed.time_error <= target)) return;
+  if (!failed.is_implicit || !(implicit.error - failed.time_error <= target)) return;
   // Auto left Verlet because its sub-steps are more than this.
   const double steps = std::round(params.duration / params.integrator.time_step);
   if (steps * params.integrator.max_substeps * implicit.points > budget.left()) return;

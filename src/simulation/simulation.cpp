@@ -152,7 +152,7 @@ void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
   if (!run.estimator()) return;
   // The target was met in the trial but is missed now; reported once.
   const double target = dynamics().params().accuracy.position_error;
-  const double error = kErrorOverEstimate * run.estimator()->inRegions() + softening;
+  const double error = run.estimator()->inRegions() + softening;
   if (!(target > 0.0 && choice.is_met && error > target && run.estimator()->isBounded()) || is_target_missed) return;
   appendNotice(taken.notice, "the expected error, " + formatReal(error) + " m, has grown beyond accuracy.position_error, " +
                                  formatReal(target) + " m");

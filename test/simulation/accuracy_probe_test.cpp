@@ -38,15 +38,12 @@ double runWith(SceneParams scene, const cloud::PointCloud& cloud, Index points) 
   }
   Simulation s(scene, cloud);
   double estimate = 0.0;
-  bool is_bounded = true;
   const int steps = static_cast<int>(std::lround(scene.duration / scene.integrator.time_step));
   for (int k = 0; k < steps; ++k) {
     EXPECT_TRUE(s.step().ok);
-    const simulation::Statistics now = s.statistics();
-    estimate = std::max(estimate, now.error_estimate);
-    is_bounded = is_bounded && now.error_bounded;
+    estimate = std::max(estimate, s.statistics().error_estimate);
   }
-  return estimate * (is_bounded ? simulation::kErrorOverEstimate : simulation::kErrorOverUnbounded);
+  return estimate;
 }
 
 void expectTheSame(const SceneParams& scene, const cloud::PointCloud& cloud, const std::string& name) {

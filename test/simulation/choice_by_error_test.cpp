@@ -30,7 +30,7 @@ TEST(ChoiceByError, HonoursAPositionErrorWithNoMorePointsThanItNeeds) {
     EXPECT_GE(choice.points, previous);
     previous = choice.points;
     run(s, 30);
-    EXPECT_LE(simulation::kErrorOverEstimate * s.statistics().error_estimate, target);
+    EXPECT_LE(s.statistics().error_estimate, target);
     EXPECT_LE(findLargestDistance(s.surface(false).positions, truth), target);
   }
   EXPECT_LT(previous, cloud.size());
@@ -71,7 +71,7 @@ TEST(ChoiceByError, SaysOnceWhenTheEstimateGrowsBeyondTheTargetLater) {
   EXPECT_TRUE(s.accuracyChoice().is_met) << s.accuracyChoice().sentence;
   int times_said = 0;
   for (int k = 0; k < 40; ++k) times_said += s.step().notice.find("beyond accuracy.position_error") != std::string::npos;
-  EXPECT_GT(simulation::kErrorOverEstimate * s.statistics().error_estimate, p.accuracy.position_error);
+  EXPECT_GT(s.statistics().error_estimate, p.accuracy.position_error);
   EXPECT_EQ(times_said, 1);
 }
 
