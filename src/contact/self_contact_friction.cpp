@@ -38,13 +38,13 @@ void SelfContact::addFriction(const Points& positions, const Points& velocities,
   }
 }
 
-double SelfContact::frictionEnergy(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors) {
+double SelfContact::frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors) {
   double sum = 0.0;
   if (anchors.empty()) return sum;
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
-    sum += rub.law.storedEnergy(rub.stretch, findSliding(near, velocities), rub.slides);
+    sum += rub.law.storedEnergy(rub.stretch);
   }
   return sum;
 }
@@ -60,13 +60,13 @@ void SelfContact::addFrictionStiffness(const Points& positions, const Points& ve
   }
 }
 
-void SelfContact::moveAnchors(const Points& positions, const Points& velocities, std::vector<PairAnchor>& anchors) {
+void SelfContact::moveAnchors(const Points& positions, const Points& velocities, double step, std::vector<PairAnchor>& anchors) {
   next_.clear();
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     Vec3 stretch = rub.stretch;
-    const bool slides = rub.law.slide(stretch, findSliding(near, velocities), rub.slides);
+    const bool slides = rub.law.slide(stretch, findSliding(near, velocities), rub.slides, rub.anchor ? step : 0.0);
     if (rub.anchor && !slides) {
       next_.push_back(*rub.anchor);
       next_.back().slides = false;

@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/hash.h"
 #include "deformable_surface/base/timer.h"
+#include "deformable_surface/simulation/contact_damping.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,9 +41,10 @@ FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const model::State&
   const BodyAnchor* const anchor = findAnchor(state.friction, body.key, touch.point);
   const Vec3 moved = anchor ? Vec3(x - body.pose.position - body.pose.orientation * anchor->place) : Vec3::Zero();
   return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing, spring,
-           std::sqrt(spring / full) * contact_.points().dampedMassOf(touch.point) * rate, touch.softness < 1.0},
+           2.0 * ContactDamping::kShare * std::sqrt(spring / full) * contact_.points().dampedMassOf(touch.point) * rate},
           alongSurface(moved, touch.normal),
           alongSurface(contact_.points().findVelocity(touch.point, state.velocities) - body.motion.velocityAt(x), touch.normal),
+          anchor != nullptr,
           anchor && anchor->slides};
 }
 
@@ -69,9 +71,8 @@ void FrictionLoad::addForces(double time, const model::State& state, Points& for
 
 double FrictionLoad::energy(double time, const model::State& state) const {
   double sum = 0.0;
-  forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch&, const Rub& rub) {
-    sum += rub.law.storedEnergy(rub.stretch, rub.sliding, rub.slides);
-  });
+  forEachRub(time, state,
+             [&](const Rubbing&, const ContactLoad::Touch&, const Rub& rub) { sum += rub.law.storedEnergy(rub.stretch); });
   return sum;
 }
 
@@ -86,9 +87,8 @@ double FrictionLoad::estimateWork(double from, double to, const model::State& be
 
 void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
-  forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
-    // A new contact has no spring yet.
-    const double spring = findAnchor(state.friction, body.key, touch.point) ? rub.law.stiffness : 0.0;
+  forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch& touch, const Rub& rub) {
+    const double spring = rub.has_spring ? rub.law.stiffness : 0.0;
     const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slides);
     contact_.points().addStiffness(
         touch.point, share * (spring + rub.law.damping / step) * (Mat3::Identity() - touch.normal * touch.normal.transpose()),
@@ -96,20 +96,12 @@ void FrictionLoad::addStiffness(double time, const model::State& state, double s
   });
 }
 
-// Tangential, where the contact spring has no stiffness. The stiffness of friction is no larger than that of the spring, and need
-// not be added to it.
-void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
-  for (const ContactLoad::Body& body : contact_.all())
-    for (Index i = 0; tool::hasFriction(body.tool) && i < state.size(); ++i)
-      damping[i] += contact_.points().dampedMassOn(i) * contact_.rate();
-}
-
-void FrictionLoad::remember(double time, model::State& state) const {
+void FrictionLoad::remember(double time, double step, model::State& state) const {
   next_.clear();
   next_.reserve(contact_.all().size() * contact_.points().size());
   forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
     Vec3 stretch = rub.stretch;
-    const bool slides = rub.law.slide(stretch, rub.sliding, rub.slides);
+    const bool slides = rub.law.slide(stretch, rub.sliding, rub.slides, rub.has_spring ? step : 0.0);
     const Vec3 place = body.pose.orientation.conjugate() * (touch.position - stretch - body.pose.position);
     next_.push_back({body.key, touch.point, place, slides});
   });

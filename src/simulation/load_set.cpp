@@ -37,7 +37,7 @@ void LoadSet::choose() {
 double LoadSet::frictionEnergy(double time, const model::State& state) const {
   const double on_tools = friction.isEmpty() ? 0.0 : friction.energy(time, state);
   if (!self_contact || !self_contact->mayAct() || !self_contact->rubs()) return on_tools;
-  return on_tools + self_contact->contact.frictionEnergy(state.positions, state.velocities, state.self_friction);
+  return on_tools + self_contact->contact.frictionEnergy(state.positions, state.self_friction);
 }
 
 void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index) {

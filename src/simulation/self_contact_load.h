@@ -77,14 +77,14 @@ class SelfFriction : public solve::ExternalLoad {
     contact_.addFriction(state.positions, state.velocities, state.self_friction, forces);
   }
   double estimateWork(double, double, const model::State& before, const model::State& after) const override {
-    return std::max(0.0, contact_.frictionEnergy(before.positions, before.velocities, before.self_friction) -
-                             contact_.frictionEnergy(after.positions, after.velocities, after.self_friction));
+    return std::max(0.0, contact_.frictionEnergy(before.positions, before.self_friction) -
+                             contact_.frictionEnergy(after.positions, after.self_friction));
   }
   void addStiffness(double, const model::State& state, double step, BlockSparse& stiffness) const override {
     if (step > 0.0) contact_.addFrictionStiffness(state.positions, state.velocities, state.self_friction, step, stiffness);
   }
-  void remember(double, model::State& state) const override {
-    contact_.moveAnchors(state.positions, state.velocities, state.self_friction);
+  void remember(double, double step, model::State& state) const override {
+    contact_.moveAnchors(state.positions, state.velocities, step, state.self_friction);
   }
 
  private:

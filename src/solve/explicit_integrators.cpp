@@ -66,7 +66,7 @@ SolveReport ExplicitEuler::advance(const System& system, double time, double ste
     state.velocities[i] += step * acceleration;
   }
   if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, step, true, state);
-  system.remember(time + step, state);
+  system.remember(time + step, step, state);
   report.finite = allFinite(state);
   return report;
 }
@@ -90,7 +90,7 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
       state.positions[i] += dt * state.velocities[i];
     }
     if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, dt, s == 0, state);
-    system.remember(time + (s + 1) * dt, state);
+    system.remember(time + (s + 1) * dt, dt, state);
   }
   report.finite = allFinite(state);
   return report;
@@ -289,7 +289,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     system.computeFastForces(predicted_, forces_);
     if (s + 1 == report.substeps) fast_forces_ = forces_;
     addLoads(system, time + (s + 1) * dt, predicted_);
-    system.remember(time + (s + 1) * dt, predicted_);
+    system.remember(time + (s + 1) * dt, dt, predicted_);
     if (ends) {
       system.computeSlowForces(predicted_, slow_forces_);
       bearSlow(predicted_.positions);

@@ -152,7 +152,7 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   report.carrying_work = system.workAgainst(time + step, state, before.positions, state.positions);
   const double allowed = energy + std::max(0.0, remainderWork(state)) + *report.carrying_work;
   limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
-  system.remember(time + step, state);
+  system.remember(time + step, step, state);
   report.finite = allFinite(state.positions);
   return report;
 }
@@ -187,7 +187,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   const double potential = system.potentialEnergy(time + step, state);
   report.finite = allFinite(state.positions);
   if (report.finite && potential <= allowed && limitKineticEnergy(system, allowed - potential, state)) {
-    system.remember(time + step, state);
+    system.remember(time + step, step, state);
     return report;
   }
   state = before_;

@@ -78,7 +78,7 @@ SolveReport OrientedVerlet::advance(const System& system, double time, double st
       if (!system.isHeld(i)) state.velocities[i] = decay * (state.velocities[i] + half / masses[i] * forces_[i]);
       state.spins[i] = spin_decay * (state.spins[i] + half / inertias[i] * torques_[i]);
     }
-    system.remember(time + (s + 1) * dt, state);
+    system.remember(time + (s + 1) * dt, dt, state);
   }
   report.finite = allFinite(state);
   return report;

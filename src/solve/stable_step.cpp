@@ -15,7 +15,7 @@ constexpr double kFaint = 0.01;
 // The stable step of a frequency w with a damping rate, both in 1/s; see the header.
 double limit(double w, double rate) {
   if (!(w > 0.0)) return rate > 0.0 ? 2.0 / rate : std::numeric_limits<double>::infinity();
-  const double z = 0.5 * rate / w;
+  const double z = rate / w;
   return 2.0 / w * (std::sqrt(1.0 + z * z) - z);
 }
 

@@ -1,6 +1,8 @@
 #include "deformable_surface/simulation/friction_load.h"
+
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
+#include "deformable_surface/simulation/contact_damping.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +22,8 @@ tool::ToolParams ball(double radius, const Vec3& from, const Vec3& to) {
   return tool;
 }
 
-// One force law: the stiffness is the secant of the force, the row bound is above it, and the work is done at the force's limit.
+// One force law: the stiffness is the secant of the force, the row bound of the contact's damping is above it, and the work is
+// done at the force's limit.
 TEST(FrictionLoad, ForceStiffnessWorkAndRowBoundsAreThoseOfOneLaw) {
   const std::vector<double> masses = {0.3, 0.5};
   tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3(0.2, 0.0, 0.0));
@@ -42,7 +45,7 @@ TEST(FrictionLoad, ForceStiffnessWorkAndRowBoundsAreThoseOfOneLaw) {
     friction.addStiffness(0.0, state, step, stiffness);
     stiffness.finish();
     std::vector<double> rows(2, 0.0), damping(2, 0.0);
-    friction.addRowBounds(0.0, state, rows, damping);
+    simulation::ContactDamping(contact).addRowBounds(0.0, state, rows, damping);
     double limits = 0.0;
     const tool::Motion motion = tool::findMotion(tool.path, 0.0);
     for (int i = 0; i < 2; ++i) {
@@ -76,9 +79,6 @@ TEST(FrictionLoad, AToolThatDoesNotPushRubsNowhere) {
   state.velocities = {Vec3(0.0, 1.0, 0.0)};
   EXPECT_TRUE(friction.isEmpty());
   EXPECT_EQ(friction.estimateWork(0.0, 0.01, state, state), 0.0);
-  std::vector<double> rows(1, 0.0), damping(1, 0.0);
-  friction.addRowBounds(0.0, state, rows, damping);
-  EXPECT_EQ(damping[0], 0.0);
 }
 
 constexpr double kDamping = 20.0;  // 1/s, with which a patch that falls on a plane comes to rest in half a second

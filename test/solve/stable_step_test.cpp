@@ -61,7 +61,7 @@ TEST(StableStep, CountsTheStiffnessOfLoads) {
 }
 
 TEST(StableStep, IsShorterByDampingThatReadsPredictedVelocities) {
-  const double viscosity = 6.0, rate = viscosity / 0.25, z = 0.5 * rate / 60.0;
+  const double viscosity = 6.0, rate = viscosity / 0.25, z = rate / 60.0;
   Setting s(viscosity);
   const double expected = 2.0 / 60.0 * (std::sqrt(1.0 + z * z) - z);
   EXPECT_LE(s.find(), expected * (1.0 + 1e-12));

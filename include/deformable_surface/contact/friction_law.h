@@ -13,7 +13,6 @@ struct FrictionLaw {
   double kinetic_limit = 0.0;  // N, mu_k F_n: of a sliding point, not above static_limit
   double stiffness = 0.0;      // k, N/m
   double damping = 0.0;        // c, N s/m
-  bool is_soft = false;        // the spring is that of a pad: see slide()
 
   double limit(bool slides) const { return slides ? kinetic_limit : static_limit; }
   /// The force without the limit, N.
@@ -29,24 +28,17 @@ struct FrictionLaw {
     const double size = findTrial(stretch, sliding).norm(), most = limit(slides);
     return size > most ? most / size : 1.0;
   }
-  /// At the end of a step: returns whether the point slides from now on, and reduces the stretch to the remaining one. Of a pad
-  /// only the way has stretched the spring. A hard contact's spring takes over what the damping bore: energy that no motion put
-  /// in, small as the spring is stiff.
-  bool slide(Vec3& stretch, const Vec3& sliding, bool slid) const {
+  /// At the end of a step, s: returns whether the point slides from now on, and relaxes the stretch to what is left of it. Spring
+  /// and damper bear the limit together, and the place slides by the rest of the way. So friction makes no energy.
+  bool slide(Vec3& stretch, const Vec3& sliding, bool slid, double step) const {
     const Vec3 trial = findTrial(stretch, sliding);
     const double size = trial.norm();
     if (!(size > limit(slid))) return false;
-    if (!is_soft)
-      stretch = -(kinetic_limit / (stiffness * size)) * trial;
-    else if (const double pull = stiffness * stretch.norm(); pull > kinetic_limit)
-      stretch *= kinetic_limit / pull;
+    stretch = (damping * (stretch - step * sliding) - step * kinetic_limit / size * trial) / (damping + step * stiffness);
     return true;
   }
-  /// Of the spring after slide(), J. A spring that slackens against its damping can hold more than the limit shows.
-  double storedEnergy(Vec3 stretch, const Vec3& sliding, bool slides) const {
-    slide(stretch, sliding, slides);
-    return 0.5 * stiffness * stretch.squaredNorm();
-  }
+  /// Of the spring, J.
+  double storedEnergy(const Vec3& stretch) const { return 0.5 * stiffness * stretch.squaredNorm(); }
 };
 
 }  // namespace deformable_surface::contact

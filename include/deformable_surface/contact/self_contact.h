@@ -85,12 +85,12 @@ class SelfContact {
   // sticking pairs, ascending; other pairs begin to stick at their present places.
   void addFriction(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors, Points& forces);
   /// Energy of the friction springs, J.
-  double frictionEnergy(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors);
+  double frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors);
   /// Adds the stiffness of friction, as addStiffness().
   void addFrictionStiffness(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
                             double step, BlockSparse& stiffness);
-  /// Updates the places at which pairs stick, in place.
-  void moveAnchors(const Points& positions, const Points& velocities, std::vector<PairAnchor>& anchors);
+  /// Updates the places at which pairs stick, in place, at the end of a step (s).
+  void moveAnchors(const Points& positions, const Points& velocities, double step, std::vector<PairAnchor>& anchors);
 
   /// From now on, what crosses at these positions has no contact, in place of what does so at rest: see PairList. Returns whether
   /// anything has changed.

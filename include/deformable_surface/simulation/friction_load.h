@@ -10,8 +10,9 @@
 namespace deformable_surface::simulation {
 
 /// Coulomb's friction by contact::FrictionLaw. A point that begins to touch a tool sticks to the touched place of the tool;
-/// State::friction stores the place. The spring has the stiffness of the contact spring, k = m r^2, and damping c = m r.
-/// On a pad it is no stiffer than the pad, and the damping follows the square root.
+/// State::friction stores the place. The spring has the stiffness of the contact spring, k = m r^2, and the damping of
+/// ContactDamping. On a pad it is no stiffer than the pad, and the damping follows the square root. Both act along the surface,
+/// where the contact spring and its damping do not: their row bounds hold for friction, too.
 /// Equilibria have no friction.
 class FrictionLoad : public solve::ExternalLoad {
  public:
@@ -23,10 +24,8 @@ class FrictionLoad : public solve::ExternalLoad {
   /// return stored energy.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
-  void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
-                    std::vector<double>& damping) const override;
   /// Updates the places to which points stick.
-  void remember(double time, model::State& state) const override;
+  void remember(double time, double step, model::State& state) const override;
 
   /// Of the springs that hold sticking points, at a time (s), J.
   double energy(double time, const model::State& state) const;
@@ -37,8 +36,9 @@ class FrictionLoad : public solve::ExternalLoad {
   /// Tangential displacement and velocity of the point of a touch relative to the tool.
   struct Rub {
     contact::FrictionLaw law;
-    Vec3 stretch;  // m
-    Vec3 sliding;  // m/s
+    Vec3 stretch;     // m
+    Vec3 sliding;     // m/s
+    bool has_spring;  // false: a new touch
     bool slides;
 
     Vec3 force() const { return law.findForce(stretch, sliding, slides); }

@@ -29,9 +29,9 @@ class ExternalLoad {
     return isConservative() ? 0.0 : std::numeric_limits<double>::infinity();
   }
 
-  /// A solver has reached this state and will continue from it. A load with a memory beyond positions and velocities writes it
-  /// into the state here. Evaluations read this memory and do not change it.
-  virtual void remember(double /*time*/, model::State& /*state*/) const {}
+  /// A solver has reached this state by a step (s) and will continue from it. A load with a memory beyond positions and
+  /// velocities writes it into the state here. Evaluations read this memory and do not change it.
+  virtual void remember(double /*time*/, double /*step*/, model::State& /*state*/) const {}
 
   /// Adds a positive semidefinite approximation of minus the derivative of the forces: with respect to position, and divided by
   /// step with respect to velocity (step = 0: none).

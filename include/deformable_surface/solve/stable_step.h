@@ -12,12 +12,13 @@ namespace deformable_surface::solve {
 /// Estimates the stable step of a system at a state and keeps its memory between calls.
 class StableStep {
  public:
-  /// dt = (2 / w) (sqrt(1 + z^2) - z), s, with w the largest angular frequency and z = c / (2 w) the damping ratio of the
-  /// velocity-dependent forces, which the integrators take from predicted velocities. w^2 is the largest eigenvalue of M^-1 K by
-  /// Lanczos iteration with its error bound added, and that of the rank-one part of the stiffness (the sum bounds the eigenvalue
-  /// of the sum [Weyl]). In the same way a bound is added for slow forces, where it is small. A model that knows its stable step
-  /// gives it, and a bound for the loads is added. For a model without a stiffness matrix w^2 is bounded by the row bounds of
-  /// model and loads [Gershgorin]. Infinite if nothing is stiff. Allocates nothing once the stiffness has its pattern.
+  /// dt = (2 / w) (sqrt(1 + z^2) - z), s, with w the largest angular frequency and z = c / w of the velocity-dependent forces.
+  /// The integrators take these from velocities that are predicted with the acceleration of the sub-step before. w^2 is the
+  /// largest eigenvalue of M^-1 K by Lanczos iteration with its error bound added, and that of the rank-one part of the stiffness
+  /// (the sum bounds the eigenvalue of the sum [Weyl]). In the same way a bound is added for slow forces, where it is small. A
+  /// model that knows its stable step gives it, and a bound for the loads is added. For a model without a stiffness matrix w^2 is
+  /// bounded by the row bounds of model and loads [Gershgorin]. Infinite if nothing is stiff. Allocates nothing once the
+  /// stiffness has its pattern.
   double estimate(double time, const State& state, const System& system);
 
  private:

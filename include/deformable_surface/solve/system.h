@@ -56,8 +56,8 @@ class System {
   void addLoads(double time, const State& state, Points& forces) const;
   void addLoadsOnAll(double time, const State& state, Points& forces) const;  // the same on held points too
   /// See ExternalLoad: to be called by explicit integrators after each sub-step, by implicit ones after each step.
-  void remember(double time, State& state) const {
-    for (const ExternalLoad* load : loads_) load->remember(time, state);
+  void remember(double time, double step, State& state) const {
+    for (const ExternalLoad* load : loads_) load->remember(time, step, state);
   }
   double boundSlowRate(const State& state) const { return hasSlowForces() ? model_.splitForces()->boundSlowRate(state) : 0.0; }
   /// False: the model's forces are a function of the positions alone.
