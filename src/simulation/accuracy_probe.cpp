@@ -65,6 +65,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     // Where the search for an equilibrium ended elsewhere, nothing is known of its error.
     const bool is_sound = outcome.ok && (!is_static || outcome.report.converged);
     const double now = is_sound ? trial.errorInRegions() : std::numeric_limits<double>::infinity();
+    if (is_static && is_sound && k == 1 && !outcome.has_cut) probe.first_step = trial.keepFirstStep(outcome);
     if (now > estimate) probe.time_error = trial.timeError();
     estimate = std::max(estimate, now);
     probe.candidate.is_bounded = probe.candidate.is_bounded && is_sound && trial.estimator()->isBounded();

@@ -34,7 +34,8 @@ struct Probe {
   bool is_implicit = false;   // most steps were the implicit method's
   double time_error = 0.0;    // m, the part of the largest estimate that is due to the steps
   std::vector<Points> looks;  // positions at regular intervals of steps
-  std::vector<double> apart;  // m, after each step the largest distance so far from the probe beside it
+  std::shared_ptr<const FirstStep> first_step;  // of an equilibrium, if it is sound and cuts nothing
+  std::vector<double> apart;                    // m, after each step the largest distance so far from the probe beside it
 };
 
 /// All trials together may take this share of the work of running all points once.

@@ -154,6 +154,7 @@ class ChoiceByError {
     if (probe.failed && !probe.is_cut && mayChooseIntegrator(params_)) tryVerlet(params_, full_, budget_, probe, choice_);
     if (probe.failed) return false;
     choice_.take(probe.candidate);
+    choice_.first_step = probe.first_step;
     choice_.is_met = probe.candidate.is_bounded;
     if (!choice_.is_met) {
       choice_.sentence = asked_ + "expected of " + sayPoints(choice_.points, n_) +
@@ -222,6 +223,7 @@ class ChoiceByError {
     const bool is_steps_known = is_all && !has_missed && last.candidate.is_bounded && (isStatic() || !last.is_implicit);
     const double steps_error = isStatic() ? 0.0 : last.time_error;  // m
     choice_.take(last.candidate);
+    if (points == last.candidate.points) choice_.first_step = last.first_step;
     choice_.points = points;
     choice_.integrator = params_.integrator.type;
     choice_.work = last.candidate.work * std::pow(static_cast<double>(points) / last.candidate.points, costExponent());

@@ -11,10 +11,12 @@ namespace deformable_surface::simulation {
 
 EstimatedDynamics::EstimatedDynamics(const EstimatedDynamics& other, bool to_look)
     : dynamics_(other.dynamics_->fork(to_look)),
-      estimator_(other.estimator_ && !to_look ? std::make_unique<ErrorEstimator>(*other.estimator_) : nullptr) {}
+      estimator_(other.estimator_ && !to_look ? std::make_unique<ErrorEstimator>(*other.estimator_) : nullptr),
+      first_step_(other.first_step_) {}
 
 Changes EstimatedDynamics::apply(const Command& command) {
   Changes changes = dynamics_->apply(command);
+  if (changes.done) first_step_.reset();
   if (!changes.done || !estimator_) return changes;
   const bool was_finite = std::isfinite(estimator_->total());
   estimator_->apply(command);
@@ -45,6 +47,7 @@ void EstimatedDynamics::stiffenMembrane() {
 }
 
 void EstimatedDynamics::restore(const DynamicsState& saved, const ErrorEstimator::Memory* estimate, bool to_look) {
+  first_step_.reset();
   dynamics_->restore(saved, to_look);
   if (estimator_ && estimate) estimator_->setMemory(*estimate);
   if (estimator_ && !estimate) estimator_->lose();
@@ -57,7 +60,17 @@ EstimatedDynamics::Outcome EstimatedDynamics::passStep() {
   return outcome;
 }
 
+std::shared_ptr<const FirstStep> EstimatedDynamics::keepFirstStep(Outcome taken) const {
+  taken.contact_seconds = taken.search_seconds = taken.estimate_seconds = taken.report.time_forces = 0.0;
+  return std::make_shared<const FirstStep>(FirstStep{dynamics_->save(), estimator_->memory(), std::move(taken)});
+}
+
 EstimatedDynamics::Outcome EstimatedDynamics::takeStep() {
+  if (first_step_ && dynamics_->stepCount() == 0 && estimator_ && !dynamics_->params().output.error) {
+    dynamics_->restore(first_step_->dynamics);
+    estimator_->setMemory(*first_step_->estimate);
+    return first_step_->outcome;
+  }
   Dynamics::Request request;
   request.find_start = [this](const SceneParams& now) { return findNestedStart(now, dynamics_->rest(), dynamics_->interrupt()); };
   if (estimator_ && estimator_->wantsSecondSearch()) request.second_search = estimator_->searchDisturbance();

@@ -72,6 +72,7 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
     notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
   }
   if (choice.membrane_share < 1.0) run.softenMembrane(choice.membrane_share);
+  run.expectFirstStep(std::move(choice.first_step));
   surface.reset();
 }
 

@@ -4,10 +4,13 @@
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/solve/integrator_params.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace deformable_surface::simulation {
+
+struct FirstStep;
 
 struct AccuracyChoice {
   /// A number of simulation points that was tried, with an integrator and a share of the membrane's stiffness.
@@ -31,10 +34,11 @@ struct AccuracyChoice {
                                   // and verlet; empty if those are taken
   double error = 0.0;  // m, largest error expected by its trial, of untried all points that of the steps; 0 if chosen by time
   double work = 0.0;   // of its trial, as a candidate's
-  bool may_buckle = false;            // in its trial
-  std::vector<Candidate> candidates;  // in the order of trying
-  std::string why_integrator;         // reason for another integrator than that of auto; else empty
-  std::string sentence;               // the choice and its reason; empty without an accuracy target
+  bool may_buckle = false;                      // in its trial
+  std::shared_ptr<const FirstStep> first_step;  // of its trial, for equilibria: the run takes it over; or null
+  std::vector<Candidate> candidates;            // in the order of trying
+  std::string why_integrator;                   // reason for another integrator than that of auto; else empty
+  std::string sentence;                         // the choice and its reason; empty without an accuracy target
 
   void take(const Candidate& candidate) {
     points = candidate.points;
