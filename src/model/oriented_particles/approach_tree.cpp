@@ -112,29 +112,26 @@ class ApproachTree::Search {
   }
 
  private:
+  // The squared length of the larger of a - b and c - d, by axis, where it is positive.
+  static DEFORMABLE_SURFACE_INLINE double squareLarger(const double* a, const double* b, const double* c, const double* d) {
+    const Double4 zero{0.0, 0.0, 0.0, 0.0};
+    Double4 larger, other, from;
+    load(a, larger);
+    load(b, from);
+    larger -= from;
+    load(c, other);
+    load(d, from);
+    other -= from;
+    larger = larger > other ? larger : other;
+    larger = zero > larger ? zero : larger;  // what is undefined remains so
+    larger *= larger;
+    return larger[0] + larger[1] + larger[2];
+  }
+
   // Whether no pair of both boxes is near now, or none has moved against each other by more than the skin.
   static DEFORMABLE_SURFACE_INLINE bool areFarOrStill(const Box& a, const Box& b, double squared_radius, double squared_skin) {
-    Double4 a_low, a_high, b_low, b_high, gap, back;
-    const Double4 zero{0.0, 0.0, 0.0, 0.0};
-    load(a.low, a_low);
-    load(a.high, a_high);
-    load(b.low, b_low);
-    load(b.high, b_high);
-    gap = b_low - a_high;
-    back = a_low - b_high;
-    gap = gap > back ? gap : back;
-    gap = gap > zero ? gap : zero;
-    gap *= gap;
-    if (gap[0] + gap[1] + gap[2] > squared_radius) return true;
-    load(a.least_move, a_low);
-    load(a.most_move, a_high);
-    load(b.least_move, b_low);
-    load(b.most_move, b_high);
-    gap = b_high - a_low;
-    back = a_high - b_low;
-    gap = gap > back ? gap : back;
-    gap *= gap;
-    return gap[0] + gap[1] + gap[2] <= squared_skin;
+    return squareLarger(b.low, a.high, a.low, b.high) > squared_radius ||
+           squareLarger(b.most_move, a.least_move, a.most_move, b.least_move) <= squared_skin;
   }
 
   // Whether the near pairs of two leaves are listed.
