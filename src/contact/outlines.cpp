@@ -40,13 +40,15 @@ Vec3 middleOf(const Loop& loop, const Points& rest) {
 // Loops of the edges without a triangle beyond. None passes a point twice: there the loop is closed. Returns whether no two
 // triangles pass an edge in the same direction; else there are no such loops.
 bool findLoops(const std::vector<Triangle>& triangles, std::vector<Loop>& loops) {
-  std::set<std::pair<Index, Index>> edges;
+  std::vector<std::pair<Index, Index>> edges;
   for (const Triangle& t : triangles)
-    for (int k = 0; k < 3; ++k)
-      if (!edges.insert({t[k], t[(k + 1) % 3]}).second) return false;
+    for (int k = 0; k < 3; ++k) edges.emplace_back(t[k], t[(k + 1) % 3]);
+  std::sort(edges.begin(), edges.end());
+  if (std::adjacent_find(edges.begin(), edges.end()) != edges.end()) return false;
   std::set<std::pair<Index, Index>> boundary;
   for (const auto& [from, to] : edges)
-    if (edges.count({to, from}) == 0) boundary.insert({from, to});
+    if (!std::binary_search(edges.begin(), edges.end(), std::make_pair(to, from)))
+      boundary.emplace_hint(boundary.end(), from, to);
   while (!boundary.empty()) {
     Loop way{boundary.begin()->first};
     do {
