@@ -76,7 +76,7 @@ PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double t
       patches_(rest_, listVertices(static_cast<Index>(rest_.size()), edges_, takes_lone_points), edges_, triangles_),
       boxes_(boundAll(patches_, rest_)),
       tree_(boxes_),
-      balls_(patches_.size()) {
+      parts_(patches_.size()) {
   if (!(thickness > 0.0)) throw InputError("contact: the thickness is " + std::to_string(thickness) + " m; accepted: above 0");
   std::vector<double> lengths;
   for (const auto& [a, b] : edges_) lengths.push_back((rest_[a] - rest_[b]).norm());
@@ -99,6 +99,7 @@ void PairList::keepWhole(const std::vector<char>& is_whole) {
   }
   for (Couple& couple : couples_) couple.radius = -1.0;
   nearest_ = -1.0;
+  is_enclosed_.clear();
 }
 
 bool PairList::findCrossed(const Points& positions) {
@@ -143,14 +144,23 @@ bool PairList::isAnyIn(const std::vector<std::array<Index, 2>>& couples, const P
   return false;
 }
 
-bool PairList::areFar(const Points& positions, const Points& next, const Reach& reach) const {
+bool PairList::areFar(const Points& positions, const Points& next, const Reach& reach, const Cover* cover) const {
   if (edges_.empty()) return true;
-  if (at_.empty()) return false;
-  return nearest_ - findLargestRelativeWay(at_, positions) >= reach.of(findLargestRelativeWay(positions, next));
+  if (!(nearest_ >= reach.least) || cover_ != cover || (cover && revision_ != cover->revision())) return false;
+  const double way = &positions == &next ? 0.0 : findLargestRelativeWay(positions, next);
+  return nearest_ - findLargestRelativeWay(seen_at_, positions) >= reach.of(way);
+}
+
+double PairList::findLargestLocalWay(const Points& from, const Points& to) {
+  patches_.measureWays(from, to, next_ways_);
+  double largest = 0.0;
+  for (const Patches::Ways& ways : next_ways_) largest = std::max(largest, ways.findRelative(ways));
+  return largest;
 }
 
 void PairList::update(const Points& positions, const Points& next, const Reach& reach, const Cover* cover) {
-  if (edges_.empty()) return;
+  are_far_ = areFar(positions, next, reach, cover);
+  if (are_far_) return;
   const bool rests = &positions == &next;
   const double farthest = reach.of(rests ? 0.0 : findLargestRelativeWay(positions, next));
   const double gone = at_.empty() ? 0.0 : findLargestRelativeWay(at_, positions);
@@ -163,8 +173,9 @@ void PairList::update(const Points& positions, const Points& next, const Reach& 
     patches_.measureWays(positions, next, open_patches_, next_ways_);
   const bool are_all_coupled = apart_ - gone >= farthest, are_worn = num_visits_ > kMostVisits * num_listed_;
   markExpired(reach);
-  if (are_all_coupled && expired_.empty() && !are_worn) return;
+  if (are_all_coupled && expired_.empty() && !are_worn) return rememberNearest(positions, apart_ - gone);
 
+  if (at_ != positions) is_enclosed_.clear();
   if (open_.size() < couples_.size()) patches_.measureWays(at_, positions, ways_);
   for (Couple& couple : couples_) couple.used += ways_[couple.one].findRelative(ways_[couple.other]);
   apart_ -= gone;
@@ -179,12 +190,16 @@ void PairList::update(const Points& positions, const Points& next, const Reach& 
   }
   markExpired(reach);
   if (!expired_.empty()) searchExpired(positions);
-  nearest_ = apart_;
   num_listed_ = 0;
-  for (const Couple& couple : couples_) {
-    nearest_ = std::min(nearest_, couple.nearest - couple.used);
-    num_listed_ += couple.listed.size();
-  }
+  for (const Couple& couple : couples_) num_listed_ += couple.listed.size();
+  rememberNearest(positions, apart_);
+}
+
+// apart: m, of patches that are no couple.
+void PairList::rememberNearest(const Points& positions, double apart) {
+  seen_at_ = positions;
+  nearest_ = apart;
+  for (const Index open : open_) nearest_ = std::min(nearest_, couples_[open].nearest - couples_[open].gone);
 }
 
 void PairList::findOpen(const Cover* cover) {
@@ -192,6 +207,7 @@ void PairList::findOpen(const Cover* cover) {
   if (cover_ == cover && revision_ == revision) return;
   cover_ = cover;
   revision_ = revision;
+  nearest_ = -1.0;
   open_.clear();
   is_open_.assign(patches_.size(), 0);
   for (std::size_t k = 0; k < couples_.size(); ++k) {
@@ -219,9 +235,9 @@ void PairList::markExpired(const Reach& reach) {
 // The bounds of the distances become loose while the surface moves. Where many pairs are within reach, new ones cost less.
 void PairList::measureAgain(const Points& positions) {
   num_visits_ = 0;
-  parallelFor(static_cast<Index>(couples_.size()), kBlock, [&](Index begin, Index end) {
+  parallelFor(static_cast<Index>(open_.size()), kBlock, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
-      Couple& couple = couples_[k];
+      Couple& couple = couples_[open_[k]];
       couple.radius -= couple.used;
       couple.used = 0.0;
       couple.nearest = couple.radius;
@@ -264,12 +280,10 @@ void PairList::findCouples(const Points& positions, double reach) {
 void PairList::searchExpired(const Points& positions) {
   num_searches_ += static_cast<Index>(expired_.size());
   patches_of_expired_.clear();
-  for (const Couple* couple : expired_) {
-    patches_of_expired_.push_back(couple->one);
-    patches_of_expired_.push_back(couple->other);
-  }
-  std::sort(patches_of_expired_.begin(), patches_of_expired_.end());
-  patches_of_expired_.erase(std::unique(patches_of_expired_.begin(), patches_of_expired_.end()), patches_of_expired_.end());
+  is_enclosed_.resize(patches_.size(), 0);
+  for (const Couple* couple : expired_)
+    for (const Index patch : {couple->one, couple->other})
+      if (std::exchange(is_enclosed_[patch], 1) == 0) patches_of_expired_.push_back(patch);
   parallelFor(static_cast<Index>(patches_of_expired_.size()), kBlock, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) enclose(patches_of_expired_[k], positions);
   });
@@ -279,59 +293,36 @@ void PairList::searchExpired(const Points& positions) {
 }
 
 void PairList::enclose(Index patch, const Points& positions) {
-  Balls& balls = balls_[patch];
-  balls.vertices.clear();
-  balls.edges.clear();
-  balls.triangles.clear();
-  boxes_[patch].setEmpty();
+  auto& [vertices, edges, triangles] = parts_[patch];
+  boxes_[patch] = patches_.boundOf(patch, positions);
+  vertices.clear();
+  edges.clear();
+  triangles.clear();
   const auto isWhole = [](const std::vector<char>& marks, Index i) { return marks.empty() || marks[i] != 0; };
-  patches_.visitVertices(patch, [&](Index v) {
-    balls.vertices.push_back({positions[v], 0.0, v});
-    boxes_[patch].extend(positions[v]);
-  });
+  patches_.visitVertices(patch, [&](Index v) { vertices.add(v, &v, positions); });
   patches_.visitEdges(patch, [&](Index e) {
-    if (!isWhole(is_edge_whole_, e)) return;
-    const Vec3 &a = positions[edges_[e][0]], &b = positions[edges_[e][1]];
-    balls.edges.push_back({0.5 * (a + b), 0.5 * (b - a).norm(), e});
-    boxes_[patch].extend(a).extend(b);
+    if (isWhole(is_edge_whole_, e)) edges.add(e, edges_[e].data(), positions);
   });
   patches_.visitTriangles(patch, [&](Index t) {
-    if (!isWhole(is_whole_, t)) return;
-    const Vec3 &a = positions[triangles_[t][0]], &b = positions[triangles_[t][1]], &c = positions[triangles_[t][2]];
-    const Vec3 middle = (a + b + c) / 3.0;
-    const double squared = std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()});
-    balls.triangles.push_back({middle, std::sqrt(squared), t});
-    boxes_[patch].extend(a).extend(b).extend(c);
+    if (isWhole(is_whole_, t)) triangles.add(t, triangles_[t].data(), positions);
   });
+  vertices.end();
+  edges.end();
+  triangles.end();
 }
 
 void PairList::search(const Points& positions, Couple& couple) const {
   couple.radius = std::max(usual_radius_, kSpare * couple.reach);
   couple.used = couple.gone = 0.0;
   couple.listed.clear();
-  const Balls &one = balls_[couple.one], &other = balls_[couple.other];
+  const Parts &one = parts_[couple.one], &other = parts_[couple.other];
   const double gap = boxes_[couple.one].exteriorDistance(boxes_[couple.other]);
   if (gap >= couple.radius) {
     couple.radius = couple.nearest = gap;
     return;
   }
   const Box near_one = grow(boxes_[couple.one], couple.radius), near_other = grow(boxes_[couple.other], couple.radius);
-  // Those of the first balls that are near the second's patch with those of the second that are near the first's.
-  static thread_local std::vector<Ball> candidates;  // keeps its memory
-  const auto match = [&](const std::vector<Ball>& first, const Box& near_second, const std::vector<Ball>& second,
-                         const Box& near_first, const auto& visit) {
-    candidates.clear();
-    for (const Ball& b : second)
-      if (near_first.squaredExteriorDistance(b.center) <= b.radius * b.radius) candidates.push_back(b);
-    if (candidates.empty()) return;
-    for (const Ball& a : first) {
-      if (near_second.squaredExteriorDistance(a.center) > a.radius * a.radius) continue;
-      for (const Ball& b : candidates) {
-        const double most = couple.radius + a.radius + b.radius;
-        if ((a.center - b.center).squaredNorm() < most * most) visit(a.item, b.item);
-      }
-    }
-  };
+  static thread_local Primitives::Scratch scratch;
   const auto offerTriangle = [&](Index v, Index t) {
     const auto& [a, b, c] = triangles_[t];
     if (v != a && v != b && v != c) offer(positions, {{v, a, b, c}, false, 0.0}, couple);
@@ -341,17 +332,10 @@ void PairList::search(const Points& positions, Couple& couple) const {
     const auto& [c, d] = edges_[std::max(e, f)];
     if (a != c && a != d && b != c && b != d) offer(positions, {{a, b, c, d}, true, 0.0}, couple);
   };
-  match(one.vertices, near_other, other.triangles, near_one, offerTriangle);
-  if (couple.one == couple.other) {
-    for (auto a = one.edges.begin(); a != one.edges.end(); ++a)
-      for (auto b = std::next(a); b != one.edges.end(); ++b) {
-        const double most = couple.radius + a->radius + b->radius;
-        if ((a->center - b->center).squaredNorm() < most * most) offerEdges(a->item, b->item);
-      }
-  } else {
-    match(other.vertices, near_one, one.triangles, near_other, offerTriangle);
-    match(one.edges, near_other, other.edges, near_one, offerEdges);
-  }
+  one.vertices.visitNear(near_one, other.triangles, near_other, couple.radius, scratch, offerTriangle);
+  if (couple.one != couple.other)
+    other.vertices.visitNear(near_other, one.triangles, near_one, couple.radius, scratch, offerTriangle);
+  one.edges.visitNear(near_one, other.edges, near_other, couple.radius, scratch, offerEdges);
   couple.nearest = couple.radius;
   for (const Listed& listed : couple.listed) couple.nearest = std::min(couple.nearest, listed.distance);
 }

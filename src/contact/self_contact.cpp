@@ -14,6 +14,8 @@ constexpr double kLongest = 4.0;        // of the usual reach: a longer piece of
 constexpr double kShortest = 1.0 / 64;  // of a way: pieces that are not needed shorter where nothing is near
 constexpr double kStepsAhead = 8.0;     // for which a motion is predicted
 constexpr Index kFewPatches = 48;       // of surfaces whose parts have no proofs: their lists cost less
+// Of the usual reach: the way of a patch's points against each other in a step up to which lists cost less than proofs of parts.
+constexpr double kCalm = 1.0;
 
 }  // namespace
 
@@ -71,7 +73,7 @@ void SelfContact::beginMotion() {
   clearance_.forgetParts();
   clearance_.tryAllParts();
   failures_ = pause_ = 0;
-  was_uncrossed_ = has_whole_failed_ = false;
+  is_calm_ = was_uncrossed_ = has_whole_failed_ = false;
 }
 
 bool SelfContact::foresee(const Points& positions, const Points& velocities, double time) {
@@ -91,23 +93,37 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
   for (const double steps : {kStepsAhead, 1.0})
     if (clearance_.prove(positions, velocities, steps * time) && clearance_.isApart()) return false;
   for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = positions[i] + time * velocities[i];
+  is_calm_ = list_.findLargestLocalWay(positions, motion_) <= kCalm * list_.usualReach();
   const double watched_by_all = kWatched * list_.thickness();
   const PairList::Reach reach{watched_by_all, 1.0, watched_by_all + kLongest * list_.usualReach()};
-  if (list_.areFar(positions, motion_, reach)) return false;
-  clearance_.proveParts(positions, velocities, time, Clearance::Aim::kApart);
-  clearance_.tryAllParts();
-  list_.update(positions, motion_, reach, clearance_.partsApart(positions));
-  bool may_touch = false;
-  list_.visitNear([&](const Pair& pair, double) {
-    if (may_touch) return;
-    const Closest closest = findClosest(pair, positions);
-    const double distance = std::sqrt(closest.squaredDistance()), watched = kWatched * pair.thickness;
-    // The rate of the distance: a common rotation brings no parts nearer.
-    double rate = 0.0;
-    for (int v = 0; v < 4; ++v) rate += closest.weight[v] * closest.gap.dot(velocities[pair.vertices[v]]) / distance;
-    may_touch = distance < watched || distance + time * rate < watched;
-  });
-  return may_touch;
+  if (!is_calm_) {
+    if (list_.areFar(positions, motion_, reach)) return false;
+    clearance_.proveParts(positions, velocities, time, Clearance::Aim::kApart);
+    clearance_.tryAllParts();
+  }
+  const Cover* const apart = clearance_.partsApart(positions);
+  const bool has_come_near = may_touch_;
+  may_touch_ = false;
+  const auto visit = [&](const Pair& pair, double = 0.0) {
+    may_touch_ = may_touch_ || comesNear(pair, positions, velocities, time, reach.most);
+  };
+  // Where some came near in the last step, one of the known pairs mostly does. Lists of all within the reach are long.
+  if (has_come_near) list_.visitKnown(apart, visit);
+  if (may_touch_) return true;
+  list_.update(positions, motion_, reach, apart);
+  list_.visitNear(visit);
+  return may_touch_;
+}
+
+// most: m, of the distance now. See mayTouch().
+bool SelfContact::comesNear(const Pair& pair, const Points& positions, const Points& velocities, double time, double most) const {
+  const Closest closest = findClosest(pair, positions);
+  const double distance = std::sqrt(closest.squaredDistance()), watched = kWatched * pair.thickness;
+  if (!(distance < most)) return false;
+  // The rate of the distance: a common rotation brings no parts nearer.
+  double rate = 0.0;
+  for (int v = 0; v < 4; ++v) rate += closest.weight[v] * closest.gap.dot(velocities[pair.vertices[v]]) / distance;
+  return distance < watched || distance + time * rate < watched;
 }
 
 // Looks at the way in pieces: limit() is the more cautious, the longer a piece is.

@@ -22,7 +22,7 @@ constexpr double kOutrun = 32.0;     // of the usual reach, ten edges or so: bey
 bool SelfContact::staysUncrossed(const Points& before, const Points& after, bool continues) {
   was_uncrossed_ = clearance_.staysUncrossed(before, after, continues && was_uncrossed_);
   if (was_uncrossed_) return true;
-  if (clearance_.partsUncrossed(before, after)) return false;
+  if (is_calm_ || clearance_.partsUncrossed(before, after)) return false;
   if (pause_ > 0) {
     --pause_;
     return false;
@@ -170,7 +170,7 @@ void SelfContact::moveAsOne(const Points& before, bool does_one_stay, Points& af
 
 bool SelfContact::mustStop(const Points& before, const Points& after, bool continues) {
   const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
-  if (staysUncrossed(before, after, continues) || list_.areFar(before, after, reach)) return false;
+  if (staysUncrossed(before, after, continues)) return false;
   list_.update(before, after, reach, clearance_.partsUncrossed(before, after));
   ways_.resize(before.size());
   bool must_stop = false;

@@ -124,6 +124,7 @@ TEST(PairList, LeavesOutOnlyWhatIsCovered) {
       positions[i] += Vec3(0.0, 0.002, 0.0) + 0.0003 * test::randomVector(generator) + Vec3(0.0, 0.0, i >= 64 ? -0.0001 : 0.0);
     const double reach = step % 5 == 4 ? 0.006 : 0.003;
     const Cover* const given = step % 4 == 3 ? nullptr : &cover;
+    const bool are_far = covered.areFar(positions, positions, {reach}, given);
     covered.update(positions, reach, given);
     std::set<std::array<Index, 5>> visited;
     covered.visitNear([&](const Pair& pair, double) {
@@ -135,11 +136,58 @@ TEST(PairList, LeavesOutOnlyWhatIsCovered) {
                   other = patch_of[found[4] ? std::min(found[2], found[3]) : std::min({found[1], found[2], found[3]})];
       const bool is_held = given && given->holds(one, other);
       EXPECT_EQ(visited.count(found), is_held ? 0u : 1u) << step;
+      EXPECT_FALSE(are_far && !is_held) << step;
       ++(is_held ? num_left_out : num_found);
     }
   }
   EXPECT_GT(num_left_out, 100u);
   EXPECT_GT(num_found, 100u);
+}
+
+// Sheets that have not moved far need no look at their patches; those that the cover holds do not count.
+TEST(PairList, IsQuickToTellWhatIsFar) {
+  const test::Sheets sheets = test::makeSheets(2, 8, 0.02, 0.0005);
+  PairList list(sheets.points, sheets.triangles, 0.002);
+  std::vector<Index> all;
+  for (Index p = 0; p < list.patches().size(); ++p) all.push_back(p);
+  Cover cover;
+  cover.clear(list.patches().size());
+  cover.add(all, 0);
+  cover.end();
+  const PairList::Reach reach{0.002};
+  EXPECT_FALSE(list.areFar(sheets.points, sheets.points, reach));
+  list.update(sheets.points, reach.least);
+  EXPECT_TRUE(list.areFar(sheets.points, sheets.points, reach));
+  Points positions = sheets.points;
+  for (Vec3& p : positions) p += Vec3(0.1, 0.2, 0.3);
+  EXPECT_TRUE(list.areFar(positions, positions, reach));
+  EXPECT_FALSE(list.areFar(positions, positions, reach, &cover));  // its nearest were not looked at
+  positions.front() += Vec3(0.0, 0.0, 0.03);
+  EXPECT_FALSE(list.areFar(positions, positions, reach));
+  list.update(positions, reach.least, &cover);
+  EXPECT_TRUE(list.areFar(positions, positions, reach, &cover));
+  EXPECT_FALSE(list.areFar(positions, positions, reach));
+  list.visitKnown(nullptr, [](const Pair&) {});
+  EXPECT_FALSE(list.areFar(positions, positions, reach)) << "what is no longer covered was not looked at";
+  list.update(positions, reach.least, &cover);
+  EXPECT_TRUE(list.areFar(positions, positions, reach, &cover));
+  cover.end();
+  EXPECT_FALSE(list.areFar(positions, positions, reach, &cover));
+}
+
+TEST(PairList, KnowsNothingOfWhatIsCut) {
+  const test::Sheets sheets = test::makeSheets(2, 8, 0.002, 0.0005);
+  PairList list(sheets.points, sheets.triangles, 0.002);
+  const auto count = [&] {
+    Index num = 0;
+    list.visitKnown(nullptr, [&](const Pair& pair) { num += findClosest(pair, sheets.points).gap.norm() < 0.003; });
+    return num;
+  };
+  EXPECT_EQ(count(), 0);
+  list.update(sheets.points, 0.003);
+  EXPECT_GT(count(), 100);
+  list.keepWhole(std::vector<char>(sheets.triangles.size(), 0));
+  EXPECT_EQ(count(), 0);
 }
 
 TEST(PairList, HasAllThatComeWithinReachOfTheirWays) {

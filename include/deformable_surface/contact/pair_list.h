@@ -5,6 +5,7 @@
 #include "deformable_surface/contact/closest_points.h"
 #include "deformable_surface/contact/cover.h"
 #include "deformable_surface/contact/patches.h"
+#include "deformable_surface/contact/primitives.h"
 
 #include <algorithm>
 #include <array>
@@ -60,8 +61,11 @@ class PairList {
   /// been set free push each other at the whole thickness. Returns whether anything has changed. O(n log n).
   bool findCrossed(const Points& positions);
 
-  /// Whether no pair is within reach at `positions`, for paths from there to `next`: true only if that is quick to tell.
-  bool areFar(const Points& positions, const Points& next, const Reach& reach) const;
+  /// Whether no pair is within reach at `positions`, for paths from there to `next`: true only if that is quick to tell. Those
+  /// that the cover holds do not count; it must be that of the last update().
+  bool areFar(const Points& positions, const Points& next, const Reach& reach, const Cover* cover = nullptr) const;
+  /// Upper bound of the difference of the displacements, m, of any two points of a patch.
+  double findLargestLocalWay(const Points& from, const Points& to);
   /// Ensures that every pair is listed that is within reach at `positions`, for paths from there to `next`. cover: what is known
   /// to have no such pairs, and is left out; null: nothing.
   void update(const Points& positions, const Points& next, const Reach& reach, const Cover* cover = nullptr);
@@ -73,6 +77,7 @@ class PairList {
   /// bound of their distance there. The order does not depend on when the lists were built.
   template <class Visit>
   void visitNear(const Visit& visit) {
+    if (are_far_) return;
     for (const Index open : open_) {
       const Couple& couple = couples_[open];
       if (couple.nearest - couple.gone >= couple.reach) continue;
@@ -82,6 +87,16 @@ class PairList {
         ++num_visits_;
         visit(listed.pair, least);
       }
+    }
+  }
+  /// Calls visit(pair) for pairs that were near at some time, without a search; not for those that the cover holds. Any may be
+  /// missing.
+  template <class Visit>
+  void visitKnown(const Cover* cover, const Visit& visit) {
+    findOpen(cover);
+    for (const Index open : open_) {
+      if (couples_[open].radius < 0.0) continue;  // may list what has no contact any longer
+      for (const Listed& listed : couples_[open].listed) visit(listed.pair);
     }
   }
   const Patches& patches() const { return patches_; }
@@ -118,20 +133,16 @@ class PairList {
     std::vector<Listed> listed;
   };
 
-  // A ball that contains a primitive.
-  struct Ball {
-    Vec3 center;    // m
-    double radius;  // m
-    Index item;
-  };
-  struct Balls {
-    std::vector<Ball> vertices, edges, triangles;
+  // Of a patch.
+  struct Parts {
+    Primitives vertices{1}, edges{2}, triangles{3};
   };
 
   /// Whether a vertex of each primitive are one of the couples, which are ascending, the lower vertex first.
   static bool isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair);
   void findCouples(const Points& positions, double reach);
   void findOpen(const Cover* cover);
+  void rememberNearest(const Points& positions, double apart);
   void markExpired(const Reach& reach);
   void measureAgain(const Points& positions);
   void searchExpired(const Points& positions);
@@ -154,7 +165,6 @@ class PairList {
   Vec3 first_crossing_ = Vec3::Zero();
 
   Points at_;                                    // m, where the ways of all couples are counted from; empty: nowhere yet
-  double nearest_ = -1.0;                        // m: no pair was nearer there
   std::vector<Patches::Ways> ways_, next_ways_;  // from at_ to the positions of the last update(), and on to `next`
   std::vector<Box> boxes_;                       // of the patches
   BoxTree tree_;                                 // of these
@@ -162,12 +172,16 @@ class PairList {
   std::vector<Index> open_, open_patches_;       // couples that the cover does not hold, and their patches; ascending
   const Cover* cover_ = nullptr;                 // of these; and its revision
   Index revision_ = -1;
+  Points seen_at_;                   // m, of the last update() that looked at couples
+  double nearest_ = -1.0;            // m: no pair that the cover does not hold was nearer there
+  bool are_far_ = false;             // no pair is within the reach of the last update()
   std::vector<char> is_open_;        // (patches), scratch
   std::vector<Index> near_patches_;  // scratch
   double apart_ = -1.0;              // m: patches that are no couple are farther apart
   std::vector<Couple*> expired_;     // to be searched
   std::vector<Index> patches_of_expired_;
-  std::vector<Balls> balls_;  // (patches), of the patches of expired couples
+  std::vector<Parts> parts_;       // (patches), of the patches of expired couples
+  std::vector<char> is_enclosed_;  // (patches): these are of at_
   Index num_searches_ = 0;
   std::size_t num_listed_ = 0, num_visits_ = 0;  // the visits since all were measured
 };

@@ -164,6 +164,7 @@ class SelfContact {
   double forceOf(const Push& push) const;    // N
   double dampingOf(const Push& push) const;  // N s/m, along the direction
   void beginMotion();
+  bool comesNear(const Pair& pair, const Points& positions, const Points& velocities, double time, double most) const;
   bool staysUncrossed(const Points& before, const Points& after, bool continues);
   /// Whether a pair may use up its room on the paths.
   bool mustStop(const Points& before, const Points& after, bool continues);
@@ -195,6 +196,8 @@ class SelfContact {
   void stopTogether();
   void moveAsOne(const Points& before, bool does_one_stay, Points& after);
 
+  bool may_touch_ = false;                          // the last answer that needed a look at pairs: saves time, changes nothing
+  bool is_calm_ = false;                            // parts of the surface are not tried in this step
   bool was_uncrossed_ = false;                      // by clearance_, where the last call of limit() ended
   Index failures_ = 0, pause_ = 0;                  // proofs that failed in a row, and calls of limit() until the next one
   bool has_whole_failed_ = false;                   // a proof of the whole, in limit(): others are of parts
