@@ -48,6 +48,7 @@ SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& 
   Approach approach;
   approach.vertices = pair.vertices;
   approach.num_first = pair.numFirst();
+  approach.pushed.fill(0.0);
   approach.normal = near.closest.gap / near.distance;
   approach.room = kOfRoom * std::max(0.0, near.distance - kLeast * pair.thickness);
   for (int v = 0; v < 4; ++v) {
@@ -87,23 +88,39 @@ SelfContact::Worst SelfContact::findWorst(const Approach& approach) const {
   return worst;
 }
 
-// Exchanges momentum within pairs that would use more than their room, one pair after the other, until none does.
+// Exchanges momentum between the points of pairs that would use more than their room, one pair after the other, until none does.
+// Momentum pushes but never pulls: what an earlier exchange has pushed farther than later ones leave necessary is taken back
+// (projected Gauss-Seidel). Otherwise layers that press on each other would be driven apart, and gain energy.
 void SelfContact::collide() {
   for (int pass = 0; pass < kCollisions; ++pass) {
     bool is_done = true;
-    for (const Approach& approach : approaches_) {
-      const Worst worst = findWorst(approach);
-      const double mobility = mobility_[worst.first] + mobility_[worst.second];
-      if (!(worst.excess > 0.0) || !(mobility > 0.0)) continue;
-      is_done = false;
-      // A little more than needed, so that the iteration ends.
-      const double momentum = (worst.excess + (1.0 - kOfRoom) * approach.room) / mobility;
-      ways_[worst.first] += mobility_[worst.first] * momentum * approach.normal;
-      ways_[worst.second] -= mobility_[worst.second] * momentum * approach.normal;
-      is_cut_[worst.first] = is_cut_[worst.second] = 1;
-    }
+    for (Approach& approach : approaches_) is_done = !collide(approach) && is_done;
     if (is_done) return;
   }
+}
+
+bool SelfContact::collide(Approach& approach) {
+  std::array<double, 4> nearing;  // m, of each point towards the other primitive, beyond the closest point of its own
+  for (int v = 0; v < 4; ++v)
+    nearing[v] = (v < approach.num_first ? -1.0 : 1.0) * approach.normal.dot(ways_[approach.vertices[v]]) - approach.behind[v];
+  bool any = false;
+  for (int v = 0, k = 0; v < approach.num_first; ++v)
+    for (int w = approach.num_first; w < 4; ++w, ++k) {
+      const double excess = nearing[v] + nearing[w] - approach.room;
+      const Index first = approach.vertices[v], second = approach.vertices[w];
+      const double mobility = mobility_[first] + mobility_[second];
+      if (!(mobility > 0.0) || !(excess > 0.0 || approach.pushed[k] > 0.0)) continue;
+      any = any || excess > 0.0;
+      // A little more than needed, so that the iteration ends.
+      const double momentum = std::max((excess + (1.0 - kOfRoom) * approach.room) / mobility, -approach.pushed[k]);
+      approach.pushed[k] += momentum;
+      ways_[first] += mobility_[first] * momentum * approach.normal;
+      ways_[second] -= mobility_[second] * momentum * approach.normal;
+      nearing[v] -= mobility_[first] * momentum;
+      nearing[w] -= mobility_[second] * momentum;
+      is_cut_[first] = is_cut_[second] = 1;
+    }
+  return any;
 }
 
 // Zones of pairs that still come too near move on as one rigid zone with their total momentum, or stay where one of their points

@@ -114,6 +114,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     }
     const Moments moments = listMoments(body.tool, time, step);
     scratch_.clear();
+    scratch_.reserve(state.size());
     auto passed = body.passed.begin();
     for (Index i = 0; i < state.size(); ++i) {
       endIfInterrupted(i, kLook);
@@ -151,6 +152,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     if (!passes(body)) continue;
     const Moments moments = listMoments(body.tool, time, step);
     scratch_.clear();
+    scratch_.reserve(state.size());
     auto passed = body.passed.begin();
     for (Index i = 0; i < state.size(); ++i) {
       endIfInterrupted(i, kLook);

@@ -19,7 +19,7 @@ void Dynamics::keepWaiting(DynamicsState::Waiting& waiting) const {
 void Dynamics::keepHolding(DynamicsState::Holding& holding) const {
   holding.integrator = params_.integrator.type;
   holding.grips = grips_.all();
-  holding.bodies = loads_.contact.all();
+  loads_.contact.copyAll(holding.bodies);
   holding.evolution = evolution_->memory();
   holding.tracked = loads_.track.seen();
   holding.self_contact = loads_.self_contact ? loads_.self_contact->memory() : SelfContactLoads::Memory();

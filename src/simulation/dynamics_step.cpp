@@ -253,7 +253,7 @@ solve::TimeMarch::Outcome Dynamics::findMotion(double now, const Request& reques
     return advanceFromStart(now, beginElsewhere(request));
   system_.setMotionLimit(nullptr);
   before_search_ = now_.points;
-  tools_before_search_ = loads_.contact.all();
+  loads_.contact.copyAll(tools_before_search_);
   const solve::TimeMarch::Memory memory = march_.memory();
   const solve::TimeMarch::Outcome apart = advanceFromStart(now, beginElsewhere(request));
   if (!apart.ok && interrupt_ && *interrupt_) return apart;

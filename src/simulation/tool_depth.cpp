@@ -77,11 +77,8 @@ ToolDepth::ToolDepth(std::size_t num_points, std::shared_ptr<const transfer::Sam
 }
 
 double ToolDepth::measure(const Dynamics& level) {
-  bodies_ = level.loads().contact.all();
-  for (ContactLoad::Body& body : bodies_) {
-    body.pressed.clear();
-    body.pressed.reserve(level.loads().contact.points().size());
-  }
+  level.loads().contact.copyAll(bodies_);
+  for (ContactLoad::Body& body : bodies_) body.pressed.clear();
   contact_.restore(bodies_);
   double deepest = 0.0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {

@@ -273,22 +273,24 @@ TEST(SelfContactLoad, ImplicitStepsBalanceLayersThatArePressedTogether) {
   }
 }
 
-// A sleeve that is forced through its own end. Before stopping was entered in the energy account with its own work, a quarter of
-// the energy stored there came from nothing in both.
+// A sleeve that is forced through its own end, a strip that is twisted, a tube that plates press flat. Parts that press on each
+// other used to be driven apart: a twentieth to a tenth of the energy stored in strip and tube came from nothing.
 TEST(SelfContactLoad, JamsMakeNoEnergy) {
-  for (const std::uint32_t seed : {2u, 4u}) {
-    ContactSceneMaker maker(seed, 10);
-    ContactScene scene = maker.sleeve();
-    scene.params.contact.friction = 0.3;
+  const auto check = [](ContactScene scene, double friction) {
+    scene.params.contact.friction = friction;
     Simulation s(scene.params, scene.cloud);
     double stored = 0.0, excess = 0.0;  // J
-    for (int step = 0; step < 240; ++step) {
+    for (int step = 0; step < 200; ++step) {
       ASSERT_TRUE(s.step().ok);
       stored = std::max(stored, s.statistics().kinetic_energy + s.statistics().elastic_energy);
       excess = std::max(excess, s.energyExcess());
     }
-    EXPECT_LT(excess, 0.01 * stored) << seed;
-  }
+    EXPECT_LT(excess, 0.003 * stored);
+  };
+  check(ContactSceneMaker(2, 10).sleeve(), 0.3);
+  check(ContactSceneMaker(4, 10).sleeve(), 0.3);
+  check(ContactSceneMaker(8, 10).twist(), 0.3);
+  check(ContactSceneMaker(5, 10).flattenTube(), 0.0);
 }
 
 TEST(SelfContactLoad, ARunFromASnapshotAndAForkAreTheSame) {

@@ -142,6 +142,7 @@ class SelfContact {
     Vec3 normal;                   // unit, from the second primitive to the first
     std::array<double, 4> behind;  // m, distance of each point behind the closest point of its primitive
     double room;                   // m, by which the two primitives together may approach
+    std::array<double, 4> pushed;  // kg m, in a step, between each point of the first primitive and each of the second
   };
   // The point of each primitive that moves farthest towards the other one.
   struct Worst {
@@ -193,6 +194,8 @@ class SelfContact {
   Approach makeApproach(const Near& near, const Points& before) const;
   Worst findWorst(const Approach& approach) const;
   void collide();
+  /// Of one pair. Returns whether it would have used more than its room.
+  bool collide(Approach& approach);
   void stopTogether();
   void moveAsOne(const Points& before, bool does_one_stay, Points& after);
 

@@ -94,8 +94,15 @@ class ContactLoad : public solve::ExternalLoad {
     std::vector<Pressed> pressed{};
   };
   const std::vector<Body>& all() const { return bodies_; }
+  /// Copies all(), with room for every point: a later copy to the same place allocates nothing, however many points are passed
+  /// over.
+  void copyAll(std::vector<Body>& bodies) const {
+    bodies = bodies_;
+    reserve(bodies);
+  }
   void restore(const std::vector<Body>& bodies) {
     bodies_ = bodies;
+    reserve(bodies_);
     gone_through_.clear();
     forgetTouches();
   }
@@ -209,6 +216,12 @@ class ContactLoad : public solve::ExternalLoad {
   void addSeconds(double seconds) const { seconds_ += seconds; }
 
  private:
+  void reserve(std::vector<Body>& bodies) const {
+    for (Body& body : bodies) {
+      body.passed.reserve(points_.numSimulated());
+      body.pressed.reserve(points_.size());
+    }
+  }
   template <typename IsMeant, typename Begin, typename Visit>
   void forEachTouch(const IsMeant& isMeant, double time, const Points& positions, const Begin& begin, const Visit& visit) const {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
