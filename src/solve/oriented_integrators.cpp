@@ -1,12 +1,18 @@
 #include "oriented_integrators.h"
 
+#include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+
+#include "oriented_motion.h"
 
 namespace deformable_surface::solve {
 namespace {
+
+constexpr Index kBlock = 256;  // points per task: some microseconds of work
 
 bool allFinite(const State& state) {
   // A sum is finite only if every term is, up to overflow. Such a state is not sound either.
@@ -17,20 +23,9 @@ bool allFinite(const State& state) {
   return std::isfinite(sum);
 }
 
-// The orientation after turning by an angle vector (rad, world).
-Quaternion turn(const Vec3& angle, const Quaternion& orientation) {
-  constexpr double kSmall = 1e-4;  // below it the series of sin(x / 2) / x is exact to rounding with two terms
-  const double squared = angle.squaredNorm(), length = std::sqrt(squared);
-  const double s = length > kSmall ? std::sin(0.5 * length) / length : 0.5 - squared / 48.0;
-  const Quaternion by(std::cos(0.5 * length), s * angle.x(), s * angle.y(), s * angle.z());
-  return (by * orientation).normalized();
-}
-
 void drift(const System& system, double dt, State& state) {
-  for (Index i = 0; i < state.size(); ++i) {
-    state.positions[i] += dt * state.velocities[i];  // held ones have the velocity that they are to keep
-    if (!system.isTurnHeld(i)) state.orientations[i] = turn(dt * state.spins[i], state.orientations[i]);
-  }
+  for (Index i = 0; i < state.size(); ++i) state.positions[i] += dt * state.velocities[i];  // held ones have none
+  turnPoints(0, state.size(), dt, state.spins, system.heldTurns(), state.orientations);
 }
 
 // Moves held points with their velocities over a step and stops everything. velocities: of the held points, else zero.
@@ -44,42 +39,89 @@ void moveHeld(const System& system, double step, State& state, Points& velocitie
   state.velocities.assign(state.positions.size(), Vec3::Zero());
 }
 
+template <class Array>
+bool isSame(const Array& a, const Array& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+}
+
 }  // namespace
 
-void OrientedVerlet::evaluate(const System& system, double time, const State& state, SolveReport& report) {
+bool OrientedVerlet::isAtLastEnd(const System& system, const State& state) const {
+  return !system.internalForcesReadVelocities() && isSame(last_positions_, state.positions) &&
+         isSame(last_orientations_, state.orientations);
+}
+
+bool OrientedVerlet::takeLastForces(const System& system, const State& state, Points& forces) const {
+  if (!isAtLastEnd(system, state)) return false;
+  forces = elastic_forces_;
+  return true;
+}
+
+void OrientedVerlet::evaluate(const System& system, double time, const State& state, When when, SolveReport& report) {
   const Timer timer;
-  system.computeForcesAndTorques(time, state, forces_, torques_);
+  if (when == When::kBegin && isAtLastEnd(system, state)) {
+    forces_ = elastic_forces_;
+    torques_ = elastic_torques_;
+  } else {
+    system.computeElasticForcesAndTorques(state, forces_, torques_);
+  }
+  if (when == When::kEnd) {
+    elastic_forces_ = forces_;
+    elastic_torques_ = torques_;
+    last_positions_ = state.positions;
+    last_orientations_ = state.orientations;
+  }
+  system.addLoads(time, state, forces_);
+  system.holdTurns(torques_);
   report.time_forces += timer.seconds();
+}
+
+// Held points keep their velocities.
+void OrientedVerlet::prepare(const System& system, double half) {
+  const Index n = system.size();
+  const double decay = std::exp(-system.damping() * half), spin_decay = std::exp(-system.rotationalDamping() * half);
+  decay_.resize(3 * n);
+  kick_.resize(3 * n);
+  spin_decay_.assign(3 * n, spin_decay);
+  spin_kick_.resize(3 * n);
+  for (Index k = 0; k < 3 * n; ++k) {
+    const bool is_held = system.isHeld(k / 3);
+    decay_[k] = is_held ? 1.0 : decay;
+    kick_[k] = is_held ? 0.0 : half / system.masses()[k / 3];
+    spin_kick_[k] = half / system.inertias()[k / 3];
+  }
+  predicted_.resize(n);
 }
 
 SolveReport OrientedVerlet::advance(const System& system, double time, double step, double max_substep, State& state) {
   SolveReport report;
   report.substeps = countSubsteps(step, max_substep);
-  const double dt = step / report.substeps, half = 0.5 * dt;
-  const double decay = std::exp(-system.damping() * half), spin_decay = std::exp(-system.rotationalDamping() * half);
+  const double dt = step / report.substeps;
   const Index n = state.size();
-  const std::vector<double>&masses = system.masses(), &inertias = system.inertias();
-  evaluate(system, time, state, report);
-  predicted_ = state;
-  for (Index s = 0; s < report.substeps; ++s) {
-    for (Index i = 0; i < n; ++i) {
-      state.spins[i] = spin_decay * state.spins[i] + half / inertias[i] * torques_[i];
-      if (system.isHeld(i)) continue;
-      const Vec3 kick = half / masses[i] * forces_[i];
-      state.velocities[i] = decay * state.velocities[i] + kick;
+  prepare(system, 0.5 * dt);
+  evaluate(system, time, state, When::kBegin, report);
+  const auto forEachBlock = [&](const auto& kick, bool drifts) {
+    parallelFor(n, kBlock, [&](Index begin, Index end) {
+      const Index at = 3 * begin, size = 3 * (end - begin);
+      const HalfKicks half{&decay_[at], &kick_[at]}, spin_half{&spin_decay_[at], &spin_kick_[at]};
+      const double *const force = forces_[begin].data(), *const torque = torques_[begin].data();
+      double *const velocity = state.velocities[begin].data(), *const spin = state.spins[begin].data();
+      kick(size, half, force, velocity);
+      kick(size, spin_half, torque, spin);
+      if (!drifts) return;
       // Loads that read velocities take those predicted with the acceleration at the beginning, which keeps the order.
-      predicted_.velocities[i] = decay * (state.velocities[i] + kick);
-    }
-    drift(system, dt, state);
-    predicted_.velocities.swap(state.velocities);
-    evaluate(system, time + (s + 1) * dt, state, report);
-    predicted_.velocities.swap(state.velocities);
-    for (Index i = 0; i < n; ++i) {
-      if (!system.isHeld(i)) state.velocities[i] = decay * (state.velocities[i] + half / masses[i] * forces_[i]);
-      state.spins[i] = spin_decay * (state.spins[i] + half / inertias[i] * torques_[i]);
-    }
+      solve::drift(size, dt, half, force, velocity, state.positions[begin].data(), predicted_[begin].data());
+      turnPoints(begin, end, dt, state.spins, system.heldTurns(), state.orientations);
+    });
+  };
+  for (Index s = 0; s < report.substeps; ++s) {
+    forEachBlock(s == 0 ? kickFirst : kickTwice, true);
+    predicted_.swap(state.velocities);
+    evaluate(system, time + (s + 1) * dt, state, s + 1 == report.substeps ? When::kEnd : When::kWithin, report);
     system.remember(time + (s + 1) * dt, dt, state);
+    predicted_.swap(state.velocities);
   }
+  forEachBlock(kickLast, false);
   report.finite = allFinite(state);
   return report;
 }

@@ -13,12 +13,20 @@ namespace deformable_surface::solve {
 class OrientedVerlet : public Integrator {
  public:
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
+  void forgetForces() override { last_positions_.clear(); }
+  bool takeLastForces(const System& system, const State& state, Points& forces) const override;
 
  private:
-  void evaluate(const System& system, double time, const State& state, SolveReport& report);
+  enum class When { kBegin, kWithin, kEnd };  // of the step
+  bool isAtLastEnd(const System& system, const State& state) const;
+  void prepare(const System& system, double half);
+  void evaluate(const System& system, double time, const State& state, When when, SolveReport& report);
 
-  Points forces_, torques_;
-  State predicted_;
+  Points forces_, torques_, predicted_;  // N, N m, m/s
+  // At the end of the last step: the model's forces and torques, and where they are valid.
+  Points elastic_forces_, elastic_torques_, last_positions_;
+  Orientations last_orientations_;
+  std::vector<double> decay_, kick_, spin_decay_, spin_kick_;  // (3 n) of half a sub-step, as HalfKicks
 };
 
 /// The equilibrium under the loads at the end of the step by FIRE [Bitzek 2006, with the corrections of Guenole 2020]: Newtonian

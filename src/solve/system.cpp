@@ -44,23 +44,27 @@ void System::computeForcesOnAll(double time, const State& state, Points& forces)
   addLoadsOnAll(time, state, forces);
 }
 
-void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
+void System::computeElasticForcesAndTorques(const State& state, Points& forces, Points& torques) const {
   endIfInterrupted();
   clear(state.size(), forces);
   clear(state.size(), torques);
   model_.orientedPoints()->addForcesAndTorques(state, forces, torques);
+}
+
+void System::holdTurns(Points& torques) const {
+  for (std::size_t i = 0; held_turns_ && i < torques.size(); ++i)
+    if ((*held_turns_)[i] != 0) torques[i].setZero();
+}
+
+void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
+  computeElasticForcesAndTorques(state, forces, torques);
   addLoads(time, state, forces);
-  for (Index i = 0; held_turns_ && i < state.size(); ++i)
-    if (isTurnHeld(i)) torques[i].setZero();
+  holdTurns(torques);
 }
 
 void System::computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const {
-  endIfInterrupted();
-  clear(state.size(), forces);
-  clear(state.size(), torques);
-  model_.orientedPoints()->addForcesAndTorques(state, forces, torques);
-  for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
-  confine(forces);
+  computeElasticForcesAndTorques(state, forces, torques);
+  addLoadsOnAll(time, state, forces);
 }
 
 void System::computeFastForces(const State& state, Points& forces) const {

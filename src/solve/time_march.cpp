@@ -64,7 +64,9 @@ void TimeMarch::setMemory(const Memory& memory) {
 }
 
 void TimeMarch::restart() {
-  if (!system_.isOriented()) integrators_.clear();  // those for oriented points keep only scratch memory between steps
+  // Those for oriented points keep forces, and scratch memory that is costly to make anew in each hot step.
+  if (!system_.isOriented()) integrators_.clear();
+  for (auto& [type, integrator] : integrators_) integrator->forgetForces();
   guard_.restart();
   memory_.estimate_needed = true;
   memory_.max_substep = std::numeric_limits<double>::infinity();

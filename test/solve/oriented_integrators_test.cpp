@@ -24,6 +24,7 @@ class Pendulum : public model::DeformableModel, public model::OrientedPoints {
   }
   void addForces(const State& s, Points& forces) const override { forces[0] -= kSpring * s.positions[0]; }
   void addForcesAndTorques(const State& s, Points& forces, Points& torques) const override {
+    ++evaluations;
     addForces(s, forces);
     torques[0] -= kTorsion * angle(s);
   }
@@ -34,6 +35,7 @@ class Pendulum : public model::DeformableModel, public model::OrientedPoints {
     stiffness[0] += kSpring;
   }
 
+  mutable int evaluations = 0;
   static constexpr double kSpring = 8.0, kTorsion = 0.5;  // N/m, N m: 2 and 5 rad/s
 
  private:
@@ -80,6 +82,40 @@ TEST(OrientedVerlet, DoesNotTurnPointsWhoseTurnIsHeld) {
   const auto verlet = solve::makeIntegrator(solve::IntegratorType::kVerlet, params, true);
   verlet->advance(held, 0.0, 0.1, 1.0, s.state);
   EXPECT_TRUE(s.state.orientations[0].isApprox(Quaternion::Identity(), 0.0));
+}
+
+// A step begins where the last one ended: the model is asked again only if something has changed in between, and the bits are
+// the same whether it is or not.
+TEST(OrientedVerlet, KnowsTheForcesOfTheStateThatItsStepEndedWithToTheBit) {
+  Setting known, asked;
+  solve::IntegratorParams params;
+  const auto verlet = solve::makeIntegrator(solve::IntegratorType::kVerlet, params, true);
+  for (int k = 0; k < 5; ++k) {
+    known.model.evaluations = 0;
+    ASSERT_TRUE(verlet->advance(known.system, 0.1 * k, 0.1, 0.05, known.state).finite);
+    EXPECT_EQ(known.model.evaluations, k == 0 ? 5 : 4) << k;
+    const auto other = solve::makeIntegrator(solve::IntegratorType::kVerlet, params, true);
+    ASSERT_TRUE(other->advance(asked.system, 0.1 * k, 0.1, 0.05, asked.state).finite);
+    EXPECT_EQ(known.state.positions, asked.state.positions);
+    EXPECT_EQ(known.state.velocities, asked.state.velocities);
+    EXPECT_EQ(known.state.spins, asked.state.spins);
+    EXPECT_EQ(known.state.orientations[0].coeffs(), asked.state.orientations[0].coeffs());
+  }
+  Points taken, found;
+  ASSERT_TRUE(verlet->takeLastForces(known.system, known.state, taken));
+  known.system.computeForcesOnAll(0.5, known.state, found);
+  EXPECT_EQ(taken, found);
+
+  const auto countAfter = [&](const auto& change) {
+    change();
+    known.model.evaluations = 0;
+    verlet->advance(known.system, 0.5, 0.1, 0.05, known.state);
+    return known.model.evaluations;
+  };
+  EXPECT_EQ(countAfter([&] { known.state.positions[0].x() += 1e-3; }), 5);
+  EXPECT_EQ(countAfter([&] { known.state.orientations[0] = Quaternion::Identity(); }), 5);
+  EXPECT_EQ(countAfter([&] { verlet->forgetForces(); }), 5);
+  EXPECT_EQ(countAfter([&] { known.state.velocities[0].x() += 1e-3; }), 4);
 }
 
 TEST(FireRelaxation, EndsAtRestWhereNothingPullsOrTurns) {

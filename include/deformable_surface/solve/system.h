@@ -25,6 +25,8 @@ class System {
   /// Of oriented points.
   const std::vector<double>& inertias() const { return model_.orientedPoints()->inertias(); }
   bool isTurnHeld(Index i) const { return held_turns_ && (*held_turns_)[i] != 0; }
+  /// (n), 1 = the point does not turn; null if no rotation is held.
+  const char* heldTurns() const { return held_turns_ ? held_turns_->data() : nullptr; }
   /// Whether there is an implicit method.
   bool hasStiffness() const { return model_.stiffnessMatrix() || model_.stiffnessProducts(); }
   double damping() const { return damping_; }
@@ -46,6 +48,10 @@ class System {
   /// The same as the first, and the torques, N m, of oriented points: (n x 3), overwritten, zero on points that do not
   /// turn.
   void computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const;
+  /// The model's part of them alone, on held points and on those that do not turn, too.
+  void computeElasticForcesAndTorques(const State& state, Points& forces, Points& torques) const;
+  /// No torque on points that do not turn.
+  void holdTurns(Points& torques) const;
   /// The same on held points too, and on those that do not turn.
   void computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const;
   /// Forces in parts: the fast and the slow forces of the model alone (see SplitForces), on held points too, overwritten. Loads
