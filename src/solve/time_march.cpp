@@ -127,9 +127,10 @@ Integrator& TimeMarch::integrator(IntegratorType type) {
 // Estimates the stable step again when the surface or its loads have become stiffer, as far as the largest stretch tells. Should
 // it not, the energy account sees that the old one is too long.
 void TimeMarch::refreshStableStep(double time, const State& state) {
-  // Bonds between particles change faster than the stretch shows, and their model knows its step at no cost.
+  // Bonds between particles change faster than the stretch shows, and their model knows its step at little cost.
   const bool is_oriented = system_.isOriented();
-  const double stretch = maxStretchOf(model_, state), loads = is_oriented ? 0.0 : system_.loadStiffness(time, state);
+  const double stretch = is_oriented ? 0.0 : maxStretchOf(model_, state);
+  const double loads = is_oriented ? 0.0 : system_.loadStiffness(time, state);
   const bool is_known =
       stretch <= memory_.stretch_at_estimate + kStretchMemory && loads <= kLoadMemory * memory_.loads_at_estimate;
   has_less_stretch_ = stretch < memory_.stretch_at_estimate - kStretchMemory;
