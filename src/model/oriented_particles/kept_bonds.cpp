@@ -151,8 +151,9 @@ void PresentBonds::arrange(const std::vector<Triangle>& triangles, const std::ve
       four.shearing[a][lane] = b.shearing / num_sides[t.bond[a]];
     }
     for (int m = 0; m < 6; ++m) {
-      four.stretching[m][lane] = t.stretching(kRows[m], kColumns[m]);
-      four.bending[m][lane] = t.bending(kRows[m], kColumns[m]);
+      const double lengths = bonds_[t.bond[kRows[m]]].length * bonds_[t.bond[kColumns[m]]].length;
+      four.stretching[m][lane] = t.stretching(kRows[m], kColumns[m]) / lengths;
+      four.bending[m][lane] = t.bending(kRows[m], kColumns[m]) / (lengths * lengths);
     }
   }
   constexpr std::size_t kPush = 20;

@@ -21,10 +21,8 @@ void pushCorners(const PackedParticles& particles, const PresentBonds::FourTrian
     for (Double4& p : push) p = zero;
     for (int a = 0; a < 3; ++a) {
       const int b = (a + 1) % 3;
-      Double4 length;
-      load(t.length[a], length);
-      const Double4 bent = d.by_c[a] / (length * length), sheared = 0.5 * d.by_s[a];
-      const Double4 by_first = sheared - bent, by_last = sheared + bent, pull = d.by_e[a] / length * d.inverse[a];
+      const Double4 sheared = 0.5 * d.by_s[a], pull = d.by_e[a] * d.inverse[a];
+      const Double4 by_first = sheared - d.by_c[a], by_last = sheared + d.by_c[a];
       for (int x = 0; x < 3; ++x) {
         const Double4 by_r = pull * d.r[a][x] + by_first * d.normal[a][x] + by_last * d.normal[b][x];
         push[6 * a + x] += by_r;

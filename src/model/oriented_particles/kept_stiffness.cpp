@@ -22,18 +22,15 @@ DEFORMABLE_SURFACE_INLINE void dot(const Double4* a, const Double4* b, Double4& 
 }
 
 // G M^-1 G^T with masses of one, rows and columns e, c, s by edges.
-DEFORMABLE_SURFACE_INLINE void multiplyGradients(const PresentBonds::FourTriangles& t, const DeformedTriangles& d,
-                                                 double by_inertia, Double4 (&product)[kStrains][kStrains]) {
-  Double4 moved[3][3][3], area[3];                // of strain, edge: by the place of the last end; 1 / l^2
+DEFORMABLE_SURFACE_INLINE void multiplyGradients(const DeformedTriangles& d, double by_inertia,
+                                                 Double4 (&product)[kStrains][kStrains]) {
+  Double4 moved[3][3][3];                         // of strain, edge: by the place of the last end
   Double4 turned_first[3][3], turned_last[3][3];  // of u by turning the normals at both ends
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3;
-    Double4 length;
-    load(t.length[a], length);
-    area[a] = 1.0 / (length * length);
     for (int x = 0; x < 3; ++x) {
-      moved[0][a][x] = d.r[a][x] * d.inverse[a] / length;
-      moved[1][a][x] = (d.normal[b][x] - d.normal[a][x]) * area[a];
+      moved[0][a][x] = d.r[a][x] * d.inverse[a];
+      moved[1][a][x] = d.normal[b][x] - d.normal[a][x];
       moved[2][a][x] = 0.5 * (d.normal[a][x] + d.normal[b][x]);
     }
     cross(d.normal[a], d.r[a], turned_first[a]);
@@ -56,17 +53,17 @@ DEFORMABLE_SURFACE_INLINE void multiplyGradients(const PresentBonds::FourTriangl
     first *= by_inertia;
     last *= by_inertia;
     next *= by_inertia;
-    product[3 + a][3 + a] += (first + last) * area[a] * area[a];
+    product[3 + a][3 + a] += first + last;
     product[6 + a][6 + a] += 0.25 * (first + last);
-    const Double4 mixed = 0.5 * (last - first) * area[a];
+    const Double4 mixed = 0.5 * (last - first);
     product[3 + a][6 + a] += mixed;
     product[6 + a][3 + a] += mixed;
     // The normal between the two edges is at the last end of one and at the first of the other.
-    const Double4 by_c = -next * area[b], by_s = 0.5 * next;  // times 1 / l^2 or 1/2 of the first
-    product[3 + a][3 + b] += by_c * area[a];
-    product[3 + a][6 + b] += by_s * area[a];
-    product[6 + a][3 + b] += 0.5 * by_c;
-    product[6 + a][6 + b] += 0.5 * by_s;
+    const Double4 half = 0.5 * next;
+    product[3 + a][3 + b] -= next;
+    product[3 + a][6 + b] += half;
+    product[6 + a][3 + b] -= half;
+    product[6 + a][6 + b] += 0.5 * half;
     for (int p = 1; p < 3; ++p)
       for (int q = 1; q < 3; ++q) product[3 * q + b][3 * p + a] = product[3 * p + a][3 * q + b];
   }
@@ -82,9 +79,7 @@ DEFORMABLE_SURFACE_INLINE void multiplyStiffness(const PresentBonds::FourTriangl
     multiply(t.stretching, d.held, e, by_e);
     multiply(t.bending, d.smooth, c, by_c);
     for (int a = 0; a < 3; ++a) {
-      Double4 length;
-      load(t.length[a], length);
-      product[a][q] = by_e[a] - tension[a] * length * length * e[a];
+      product[a][q] = by_e[a] - tension[a] * e[a];
       product[3 + a][q] = by_c[a];
       product[6 + a][q] = d.shearing[a] * v[6 + a][q];
     }
@@ -153,14 +148,14 @@ void boundTriangles(const PackedParticles& particles, const PresentBonds::FourTr
     for (int a = 0; a < 3; ++a) {
       Double4 length;
       load(t.length[a], length);
-      const Double4 pull = d.by_e[a] / length * d.inverse[a], bent = d.by_c[a] / (length * length), sheared = 0.5 * d.by_s[a];
+      const Double4 pull = d.by_e[a] * d.inverse[a], sheared = 0.5 * d.by_s[a];
       tension[a] = pull > zero ? pull : zero;
-      const Double4 by_first = sheared - bent, by_last = sheared + bent;
+      const Double4 by_first = sheared - d.by_c[a], by_last = sheared + d.by_c[a];
       const Double4 slopes = (by_first > zero ? by_first : -by_first) + (by_last > zero ? by_last : -by_last);
-      by_slopes += slopes * (by_both + length * (d.e[a] + 1.0) * by_inertia);  // turned and moved, and turned twice
+      by_slopes += slopes * (by_both + (length + d.e[a]) * by_inertia);  // turned and moved, and turned twice
     }
     Double4 gradients[kStrains][kStrains], stretched, by_tension;
-    multiplyGradients(t, d, by_inertia, gradients);
+    multiplyGradients(d, by_inertia, gradients);
     boundEigenvalue(t, d, tension, gradients, stretched);
     findOfTension(tension, by_tension);
     store(stretched + by_tension + by_slopes, bounds + 4 * static_cast<std::ptrdiff_t>(k));

@@ -6,7 +6,8 @@
 
 namespace deformable_surface::model {
 
-/// Four triangles in a state; a: the edge from corner a to corner a + 1, or corner a. In the notation of KeptBonds.
+/// Four triangles in a state; a: the edge from corner a to corner a + 1, or corner a. In the notation of KeptBonds, with l e and
+/// l^2 c, in m, for e and c: no length divides anything.
 struct DeformedTriangles {
   Double4 normal[3][3];
   Double4 r[3][3], u_first[3], u_last[3], inverse[3];  // r, n.r for the normals at both ends, 1 / |r| or 0
@@ -64,8 +65,8 @@ DEFORMABLE_SURFACE_INLINE void deform(const PackedParticles& particles, const Pr
     Double4 distance = squared;
     takeRoots(distance);
     d.inverse[a] = (distance > zero ? one : zero) / (distance > zero ? distance : one);
-    d.e[a] = distance / length - 1.0;
-    d.c[a] = (d.u_last[a] - d.u_first[a] - curve) / (length * length);
+    d.e[a] = distance - length;
+    d.c[a] = d.u_last[a] - d.u_first[a] - curve;
     d.s[a] = 0.5 * (d.u_first[a] + d.u_last[a]) - height;
     Double4 weaker = strength[a];
     takeLess(strength[b], weaker);

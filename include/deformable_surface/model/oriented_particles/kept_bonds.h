@@ -83,12 +83,13 @@ class PresentBonds {
   /// softens is left out, but for a stretched bond along itself. Parallel.
   void addRowBounds(const PackedParticles& particles, double inertia_by_mass, std::vector<double>& bounds) const;
 
-  /// Four triangles as the loops read them; e, c and s are those of the edges from corner to corner.
+  /// Four triangles as the loops read them; lengths and strains are those of the edges from corner to corner.
   struct FourTriangles {
     Index corner[3][4];
     double length[3][4], curve[3][4], height[3][4];  // m
     double shearing[3][4];                           // N/m: a bond shares S among its triangles
-    double stretching[6][4], bending[6][4];          // A M, A B: 00, 11, 22, 12, 02, 01; zero: there is no triangle
+    // N/m: A M and A B for l e and l^2 c in place of e and c: 00, 11, 22, 12, 02, 01; zero: there is no triangle.
+    double stretching[6][4], bending[6][4];
   };
 
  private:
