@@ -23,6 +23,13 @@ bool allHold(const Points& then, const Points& now, const ApproachTree::Lengths&
   return true;
 }
 
+bool allListed(const Points& then, const Points& now, const ApproachTree::Lengths& lengths) {
+  for (std::size_t i = 0; i < now.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if ((now[j] - now[i]).norm() < lengths.radius && !((then[j] - then[i]).norm() <= lengths.reach)) return false;
+  return true;
+}
+
 Points randomPoints(Index n, double size, std::mt19937& generator) {
   Points points(n);
   for (Vec3& p : points) p = size * randomVector(generator);
@@ -62,9 +69,12 @@ TEST(ApproachTree, TellsWhatALookAtAllPairsTells) {
 
 TEST(ApproachTree, GivesUpWhenItHasTakenAsLongAsMakingTheListsAnew) {
   std::mt19937 generator(5);
-  const Points then = randomPoints(2000, 1.0, generator);
+  Points then = randomPoints(2000, 1.0, generator);
   Points now = then;
   for (Vec3& p : now) p += 0.02 * randomVector(generator);  // within reach, but not within the skin of each other
+  // Two that were not in reach and nearly are: displacements cannot count from here.
+  for (const double x : {50.0, 100.0}) then.push_back(Vec3(x, 0.0, 0.0));
+  for (const double x : {50.0, 50.1004}) now.push_back(Vec3(x, 0.0, 0.0));
   ApproachTree tree;
   tree.renew(then);
   const ApproachTree::Lengths lengths{0.1, 10.0, 0.001, true};
@@ -73,6 +83,60 @@ TEST(ApproachTree, GivesUpWhenItHasTakenAsLongAsMakingTheListsAnew) {
   EXPECT_LT(times, 1000);
   tree.renew(then);
   EXPECT_TRUE(tree.holds(then, then, lengths));
+}
+
+// A surface that turns moves far, and no pair approaches.
+TEST(ApproachTree, HoldsThroughATurnAndStillSeesWhatComesNear) {
+  for (const bool by_distance : {true, false}) {
+    ApproachTree::Lengths lengths = kLengths;
+    lengths.is_listed_by_distance = by_distance;
+    Points then;
+    for (Index i = 0; i < 40; ++i)
+      for (Index j = 0; j < 40; ++j) then.push_back(Vec3(0.05 * i, 0.05 * j, 0.0));
+    ApproachTree tree;
+    tree.renew(then);
+    Points now = then;
+    int held = 0, based = 0;
+    for (int k = 1; k <= 400; ++k) {
+      const Eigen::AngleAxisd turn(0.01 * k, Vec3(1.0, 2.0, 3.0).normalized());
+      for (std::size_t i = 0; i < now.size(); ++i) now[i] = turn * then[i];
+      held += tree.holds(then, now, lengths);
+      based += tree.base() != nullptr;
+    }
+    // Without lists by distance a pair counts as out of reach once it has moved, also if it has only turned.
+    EXPECT_EQ(held == 400, by_distance);
+    if (by_distance) EXPECT_GT(based, 300);
+    const Vec3 first = now[0];
+    now[0] = now[1599] + Vec3(0.0, 0.0, 0.099);
+    EXPECT_FALSE(tree.holds(then, now, lengths));
+    now[0] = first;
+    EXPECT_EQ(tree.holds(then, now, lengths), by_distance);
+  }
+}
+
+// Particles that wander: whenever it holds, a look at all pairs finds none that is near and was not.
+TEST(ApproachTree, NeverOverlooksAPairHoweverOftenDisplacementsCountFromElsewhere) {
+  std::mt19937 generator(8);
+  int based = 0, held = 0;
+  for (int run = 0; run < 20; ++run) {
+    const Index n = 300;
+    const Points then = randomPoints(n, 0.4, generator);
+    Points now = then;
+    ApproachTree tree;
+    tree.renew(then);
+    const Vec3 axis = randomVector(generator).normalized();
+    const double noise = 0.0002 * run;
+    for (int k = 0; k < 60; ++k) {
+      const Eigen::AngleAxisd turn(0.05, axis);
+      for (Vec3& p : now) p = turn * p + noise * randomVector(generator);
+      const bool holds = tree.holds(then, now, kLengths);
+      if (holds) EXPECT_TRUE(allListed(then, now, kLengths)) << run << " " << k;
+      held += holds;
+      based += tree.base() != nullptr;
+    }
+  }
+  EXPECT_GT(held, 100);
+  EXPECT_GT(based, 100);
 }
 
 TEST(ApproachTree, ItsMemoryCounts) {

@@ -11,6 +11,7 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kMostVisits = 20;  // pairs of boxes for each particle: they take as long as making the lists anew
+constexpr Index kTired = 2;        // of them for each particle: a look at all near pairs takes about as long
 constexpr Index kMostAge = 4;      // calls of renew() between two trees, which cost a third of the lists
 constexpr Index kLeafBlock = 32;
 
@@ -25,7 +26,8 @@ void ApproachTree::renew(const Points& places) {
     build(places);
     age_ = 0;
   }
-  is_slow_ = false;
+  is_slow_ = has_base_ = false;
+  may_have_base_ = true;
   visited_ = 0;
 }
 
@@ -81,13 +83,23 @@ void ApproachTree::fill(const Points& then, const Points& now, Index leaf) {
 // Looks for pairs that are near but not listed.
 class ApproachTree::Search {
  public:
-  Search(const ApproachTree& tree, const Points& then, const Points& now, const Lengths& lengths)
-      : tree_(tree), then_(then), now_(now), lengths_(lengths) {}
+  // slack: m, that pairs may move against each other from the base. looks_at_all: whether pairs nearer than the radius and the
+  // slack are listed, wherever they were at the base.
+  Search(const ApproachTree& tree, const Points& then, const Points& base, const Points& now, const Lengths& lengths,
+         double slack, bool looks_at_all)
+      : tree_(tree),
+        then_(then),
+        base_(base),
+        now_(now),
+        lengths_(lengths),
+        slack_(looks_at_all ? -1.0 : slack),
+        radius_(looks_at_all ? lengths.radius + slack : lengths.radius),
+        skin_(looks_at_all ? lengths.skin - slack : lengths.skin) {}
   Index visited() const { return visited_; }
 
   // False if there is one, or after `most` pairs of boxes.
   DEFORMABLE_SURFACE_INLINE bool run(Index most) {
-    const double squared_radius = lengths_.radius * lengths_.radius, squared_skin = lengths_.skin * lengths_.skin;
+    const double squared_radius = radius_ * radius_, squared_slack = slack_ > 0.0 ? slack_ * slack_ : -1.0;
     constexpr int kMostLevels = 32;
     struct {
       Index a, b;
@@ -97,7 +109,7 @@ class ApproachTree::Search {
     while (top > 0) {
       const auto [a, b] = stack[--top];
       ++visited_;
-      if (areFarOrStill(tree_.boxes_[a], tree_.boxes_[b], squared_radius, squared_skin)) continue;
+      if (areFarOrStill(tree_.boxes_[a], tree_.boxes_[b], squared_radius, squared_slack)) continue;
       if (visited_ > most) return false;
       if (a >= tree_.num_leaves_) {
         if (!areListed(tree_.leaves_[a - tree_.num_leaves_], tree_.leaves_[b - tree_.num_leaves_])) return false;
@@ -128,18 +140,18 @@ class ApproachTree::Search {
     return larger[0] + larger[1] + larger[2];
   }
 
-  // Whether no pair of both boxes is near now, or none has moved against each other by more than the skin.
-  static DEFORMABLE_SURFACE_INLINE bool areFarOrStill(const Box& a, const Box& b, double squared_radius, double squared_skin) {
+  // Whether no pair of both boxes is near now, or none has moved against each other by more than the slack.
+  static DEFORMABLE_SURFACE_INLINE bool areFarOrStill(const Box& a, const Box& b, double squared_radius, double squared_slack) {
     return squareLarger(b.low, a.high, a.low, b.high) > squared_radius ||
-           squareLarger(b.most_move, a.least_move, a.most_move, b.least_move) <= squared_skin;
+           squareLarger(b.most_move, a.least_move, a.most_move, b.least_move) <= squared_slack;
   }
 
   // Whether the near pairs of two leaves are listed.
   DEFORMABLE_SURFACE_INLINE bool areListed(const Leaf& a, const Leaf& b) const {
     constexpr double kRounding = 1.0 - 1e-9;
     const double squared_reach = kRounding * lengths_.reach * lengths_.reach;
-    const double squared_skin = kRounding * lengths_.skin * lengths_.skin;
-    const Double4 most = Double4{0.0, 0.0, 0.0, 0.0} + lengths_.radius * lengths_.radius;
+    const double squared_skin = kRounding * skin_ * skin_, squared_slack = slack_ > 0.0 ? kRounding * slack_ * slack_ : -1.0;
+    const Double4 most = Double4{0.0, 0.0, 0.0, 0.0} + radius_ * radius_;
     for (Index i = 0; i < a.count; ++i)
       for (Index first = 0; first < kLeaf; first += 4) {
         Double4 x, y, z;
@@ -154,27 +166,26 @@ class ApproachTree::Search {
         for (Index k = 0; k < 4; ++k) {
           if (is_near[k] == 0 || (&a == &b && first + k <= i)) continue;
           const Index p = a.particle[i], q = b.particle[first + k];
-          const Vec3 before = then_[q] - then_[p];
+          const Vec3 before = then_[q] - then_[p], here = now_[q] - now_[p];
           if (lengths_.is_listed_by_distance && before.squaredNorm() <= squared_reach) continue;
-          if (!((now_[q] - now_[p] - before).squaredNorm() <= squared_skin)) return false;
+          if ((here - before).squaredNorm() <= squared_skin) continue;
+          if (!((here - (base_[q] - base_[p])).squaredNorm() <= squared_slack)) return false;
         }
       }
     return true;
   }
 
   const ApproachTree& tree_;
-  const Points &then_, &now_;
+  const Points &then_, &base_, &now_;
   const Lengths& lengths_;
+  const double slack_, radius_, skin_;  // m; a slack below zero: none
   Index visited_ = 0;
 };
 
 DEFORMABLE_SURFACE_WIDE
 bool ApproachTree::runWide(Search& search, Index most) { return search.run(most); }
 
-bool ApproachTree::holds(const Points& then, const Points& now, const Lengths& lengths) {
-  parallelFor(num_leaves_, kLeafBlock, [&](Index begin, Index end) {
-    for (Index leaf = begin; leaf < end; ++leaf) fill(then, now, leaf);
-  });
+void ApproachTree::join() {
   for (Index k = num_leaves_ - 1; k > 0; --k) {
     const Box &a = boxes_[2 * k], &b = boxes_[2 * k + 1];
     Box& both = boxes_[k];
@@ -185,15 +196,31 @@ bool ApproachTree::holds(const Points& then, const Points& now, const Lengths& l
       both.most_move[axis] = std::max(a.most_move[axis], b.most_move[axis]);
     }
   }
-  Search search(*this, then, now, lengths);
+}
+
+bool ApproachTree::holds(const Points& then, const Points& now, const Lengths& lengths) {
+  const Points& base = has_base_ ? base_ : then;
+  parallelFor(num_leaves_, kLeafBlock, [&](Index begin, Index end) {
+    for (Index leaf = begin; leaf < end; ++leaf) fill(base, now, leaf);
+  });
+  join();
+  Search search(*this, then, base, now, lengths, slack(lengths.skin), false);
   const bool holds = runWide(search, kMostVisits * size() - visited_);
   visited_ += search.visited();
   is_slow_ = visited_ > kMostVisits * size();
+  if (!holds || !may_have_base_ || visited_ <= kTired * size()) return holds;
+  Search all(*this, then, base, now, lengths, kLeft * lengths.skin, true);
+  may_have_base_ = runWide(all, kMostVisits * size());
+  if (!may_have_base_) return holds;
+  base_ = now;
+  has_base_ = true;
+  visited_ = 0;
   return holds;
 }
 
 std::size_t ApproachTree::bytes() const {
-  return order_.capacity() * sizeof(Index) + boxes_.capacity() * sizeof(Box) + leaves_.capacity() * sizeof(Leaf);
+  return order_.capacity() * sizeof(Index) + base_.capacity() * sizeof(Vec3) + boxes_.capacity() * sizeof(Box) +
+         leaves_.capacity() * sizeof(Leaf);
 }
 
 }  // namespace deformable_surface::model

@@ -94,6 +94,8 @@ bool NeighborList::update(const Points& positions, const std::vector<ParticleTra
 bool NeighborList::hasApproached(const Points& positions, bool& is_finite) {
   const Index n = static_cast<Index>(positions.size()), num_blocks = (n + kBlock - 1) / kBlock;
   const bool same_number = positions.size() == rebuilt_at_.size();
+  const Points& base = tree_.base() ? *tree_.base() : rebuilt_at_;  // of as many
+  const double slack = tree_.slack(skin_);
   ranges_.resize(num_blocks);
   const auto extend = [](const Vec3& low, const Vec3& high, Range& range) {
     range.low = range.low.cwiseMin(low);
@@ -105,7 +107,7 @@ bool NeighborList::hasApproached(const Points& positions, bool& is_finite) {
     for (Index i = begin; i < end; ++i) {
       if (!positions[i].allFinite()) range.is_finite = false;
       if (!same_number) continue;
-      const Vec3 move = positions[i] - rebuilt_at_[i];
+      const Vec3 move = positions[i] - base[i];
       extend(move, move, range);
     }
   });
@@ -116,7 +118,7 @@ bool NeighborList::hasApproached(const Points& positions, bool& is_finite) {
   }
   is_finite = all.is_finite;
   if (!is_finite || !same_number || !is_valid_) return true;
-  if (n == 0 || (all.high - all.low).squaredNorm() <= skin_ * skin_) return false;
+  if (n == 0 || (all.high - all.low).squaredNorm() <= slack * slack) return false;
   return !tree_.holds(rebuilt_at_, positions, {radius_, radius_ + skin_, skin_, apart_.items.empty()});
 }
 

@@ -23,13 +23,20 @@ class ApproachTree {
   };
   /// then, now: (n). Whether every pair nearer than the radius now was within reach then. False also once the calls since renew()
   /// have taken about as long as making the lists anew: it is faster while they are new. Boxes in parallel; allocates nothing
-  /// after renew().
+  /// after the first call.
+  ///
+  /// Once displacements have made it slow, it looks whether every pair nearer than radius and half of the skin is listed. If so,
+  /// displacements count from here, and half of the skin is left: a surface that has turned is as fast again as one that has not.
   bool holds(const Points& then, const Points& now, const Lengths& lengths);
+  /// While all particles have moved by less than the slack against each other since these places, m, it holds. Null: since then.
+  const Points* base() const { return has_base_ ? &base_ : nullptr; }
+  double slack(double skin) const { return has_base_ ? kLeft * skin : skin; }
 
   std::size_t bytes() const;
 
  private:
   static constexpr Index kLeaf = 8;
+  static constexpr double kLeft = 0.5;  // of the skin, from places later than then
   struct Box {
     double low[4], high[4], least_move[4], most_move[4];  // m; x, y, z, 0
   };
@@ -40,6 +47,7 @@ class ApproachTree {
   class Search;
   void build(const Points& places);
   static bool runWide(Search& search, Index most);
+  void join();
   Index beginOf(Index leaf) const;
   void fill(const Points& then, const Points& now, Index leaf);
 
@@ -47,7 +55,9 @@ class ApproachTree {
   Index num_leaves_ = 0;      // a power of two
   std::vector<Box> boxes_;    // 1: the root; 2 k and 2 k + 1: the halves of k; the last num_leaves_: the leaves
   std::vector<Leaf> leaves_;
-  Index visited_ = 0;  // pairs of boxes since the lists are new
+  Index visited_ = 0;  // pairs of boxes since the lists are new, or since the base
+  Points base_;
+  bool has_base_ = false, may_have_base_ = true;
   bool is_slow_ = false;
   Index age_ = 0;  // calls of renew() since the tree was built
 };

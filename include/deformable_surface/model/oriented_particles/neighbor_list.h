@@ -88,7 +88,7 @@ class NeighborList {
     std::int64_t x, y, z;
   };
 
-  // Bounds of displacements since the last rebuild, m.
+  // Bounds of displacements since the last rebuild, or the base of the tree, m.
   struct Range {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
