@@ -170,7 +170,7 @@ std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, c
     Vec3 force = findSpring(near).force / near.distance * near.closest.gap;
     if (params_.friction > 0.0) {
       const Rub rub = findRub(near, positions, anchors);
-      force += rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slides);
+      force += rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slid);
     }
     list.push_back({near.pair, near.closest, depth, force});
   }

@@ -15,10 +15,10 @@ SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions,
   const auto at = std::lower_bound(anchors.begin(), anchors.end(), pair,
                                    [](const PairAnchor& a, const Pair& p) { return a.isBefore(p.vertices, p.is_edges); });
   if (at == anchors.end() || at->is_edges != pair.is_edges || at->vertices != pair.vertices)
-    return {law, normal, Vec3::Zero(), false, nullptr};
+    return {law, normal, Vec3::Zero(), 0.0, nullptr};
   Vec3 moved = -at->offset;
   for (int v = 0; v < 4; ++v) moved += at->weight[v] * positions[pair.vertices[v]];
-  return {law, normal, moved - moved.dot(normal) * normal, at->slides, &*at};
+  return {law, normal, moved - moved.dot(normal) * normal, at->slid, &*at};
 }
 
 Vec3 SelfContact::findSliding(const Near& near, const Points& velocities) {
@@ -33,7 +33,7 @@ void SelfContact::addFriction(const Points& positions, const Points& velocities,
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
-    const Vec3 force = rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slides);
+    const Vec3 force = rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slid);
     for (int v = 0; v < 4; ++v) forces[near.pair.vertices[v]] += near.closest.weight[v] * force;
   }
 }
@@ -54,7 +54,7 @@ void SelfContact::addFrictionStiffness(const Points& positions, const Points& ve
   for (const Near& near : measure(positions, 0.0)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
-    const double share = rub.law.findShare(rub.stretch, findSliding(near, velocities), rub.slides);
+    const double share = rub.law.findShare(rub.stretch, findSliding(near, velocities), rub.slid);
     const double along = share * ((rub.anchor ? rub.law.stiffness : 0.0) + rub.law.damping / step);
     addToMatrix(near, along * (Mat3::Identity() - rub.normal * rub.normal.transpose()), stiffness_matrix);
   }
@@ -66,13 +66,13 @@ void SelfContact::moveAnchors(const Points& positions, const Points& velocities,
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     Vec3 stretch = rub.stretch;
-    const bool slides = rub.law.slide(stretch, findSliding(near, velocities), rub.slides, rub.anchor ? step : 0.0);
-    if (rub.anchor && !slides) {
+    const double slid = rub.law.slide(stretch, findSliding(near, velocities), rub.slid, rub.anchor ? step : 0.0);
+    if (rub.anchor && slid == 0.0) {
       next_.push_back(*rub.anchor);
-      next_.back().slides = false;
+      next_.back().slid = 0.0;
     } else {
       const Pair& pair = near.pair;
-      next_.push_back({pair.vertices, pair.is_edges, near.closest.weight, near.closest.gap - stretch, slides});
+      next_.push_back({pair.vertices, pair.is_edges, near.closest.weight, near.closest.gap - stretch, slid});
     }
   }
   std::sort(next_.begin(), next_.end(),

@@ -45,7 +45,7 @@ FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const model::State&
           alongSurface(moved, touch.normal),
           alongSurface(contact_.points().findVelocity(touch.point, state.velocities) - body.motion.velocityAt(x), touch.normal),
           anchor != nullptr,
-          anchor && anchor->slides};
+          anchor ? anchor->slid : 0.0};
 }
 
 Vec3 FrictionLoad::findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const {
@@ -89,7 +89,7 @@ void FrictionLoad::addStiffness(double time, const model::State& state, double s
   if (!(step > 0.0)) return;
   forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch& touch, const Rub& rub) {
     const double spring = rub.has_spring ? rub.law.stiffness : 0.0;
-    const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slides);
+    const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slid);
     contact_.points().addStiffness(
         touch.point, share * (spring + rub.law.damping / step) * (Mat3::Identity() - touch.normal * touch.normal.transpose()),
         stiffness);
@@ -101,9 +101,9 @@ void FrictionLoad::remember(double time, double step, model::State& state) const
   next_.reserve(contact_.all().size() * contact_.points().size());
   forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
     Vec3 stretch = rub.stretch;
-    const bool slides = rub.law.slide(stretch, rub.sliding, rub.slides, rub.has_spring ? step : 0.0);
+    const double slid = rub.law.slide(stretch, rub.sliding, rub.slid, rub.has_spring ? step : 0.0);
     const Vec3 place = body.pose.orientation.conjugate() * (touch.position - stretch - body.pose.position);
-    next_.push_back({body.key, touch.point, place, slides});
+    next_.push_back({body.key, touch.point, place, slid});
   });
   std::sort(next_.begin(), next_.end(), [](const BodyAnchor& a, const BodyAnchor& b) { return a.isBefore(b.body, b.point); });
   state.friction = next_;

@@ -210,7 +210,7 @@ TEST(SelfContact, FrictionHoldsUpToItsLimitAndKeepsMomentum) {
     }
     std::vector<PairAnchor> next = anchors;
     contact.moveAnchors(moved, still, kStep, next);
-    for (const PairAnchor& anchor : next) EXPECT_EQ(anchor.slides, slides);
+    for (const PairAnchor& anchor : next) EXPECT_EQ(anchor.slid > 0.0, slides);
     // The friction springs that remain carry the whole load.
     Points again(moved.size(), Vec3::Zero());
     contact.addFriction(moved, still, next, again);

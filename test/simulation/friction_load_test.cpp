@@ -83,13 +83,14 @@ TEST(FrictionLoad, AToolThatDoesNotPushRubsNowhere) {
 
 constexpr double kDamping = 20.0;  // 1/s, with which a patch that falls on a plane comes to rest in half a second
 
-// A small stiff patch on a plane with a coefficient of 0.4. The plane is inclined after a second.
+// A small stiff patch on a plane with a coefficient of 0.4. The plane is inclined once the patch has come to rest.
 struct Incline {
   double angle = 0.0;  // rad
   double friction = 0.4;
   OrAuto<double> kinetic{};
   Type integrator = Type::kVerlet;
   double damping = kDamping;  // 1/s, once it is inclined
+  double rests = 1.0;         // s before; 0: the plane is inclined as the patch is laid down
 
   simulation::Simulation make() const {
     simulation::SceneParams p = hangingSheet();
@@ -108,7 +109,7 @@ struct Incline {
     plane.kinetic_friction = kinetic;
     p.tools = {plane};
     simulation::Simulation s(p, sheetCloud(10));
-    run(s, static_cast<int>(std::lround(1.0 / p.integrator.time_step)));
+    run(s, static_cast<int>(std::lround(rests / p.integrator.time_step)));
     s.setGravity(9.81 * Vec3(std::sin(angle), 0.0, -std::cos(angle)));
     s.setDamping(damping);
     return s;
@@ -238,6 +239,12 @@ TEST(FrictionLoad, WhatSlidesHasTheKineticCoefficient) {
   incline.kinetic = 0.2;
   incline.angle = std::atan(0.25);  // between both: it stays where it is
   EXPECT_LT(slide(incline, 0.5, 1.0), 1e-6);
+  Incline laid = incline;  // also if nothing presses on the plane at first
+  laid.rests = 0.0;
+  for (const double damping : {0.0, kDamping}) {
+    laid.damping = damping;
+    EXPECT_LT(slide(laid, 0.0, 1.0), 1e-4) << damping;
+  }
   incline.angle = std::atan(1.2);
   incline.damping = 0.0;
   const double expected = 0.5 * 9.81 * (std::sin(incline.angle) - 0.2 * std::cos(incline.angle));

@@ -13,7 +13,7 @@ struct BodyAnchor {
   std::uint64_t body;  // a hash of its name
   Index point;
   Vec3 place;   // m, in the body's frame
-  bool slides;  // the point was sliding at the last check
+  double slid;  // m, the way of the place since it last stuck
 
   bool isBefore(std::uint64_t other_body, Index other_point) const {
     return body != other_body ? body < other_body : point < other_point;
@@ -26,7 +26,7 @@ struct PairAnchor {
   bool is_edges;
   std::array<double, 4> weight;  // of the vertices in the gap between the two places
   Vec3 offset;                   // m, the gap at which the spring is unloaded
-  bool slides;
+  double slid;                   // m, the way of that offset since the parts last stuck
 
   bool isBefore(const std::array<Index, 4>& other, bool other_is_edges) const {
     return is_edges != other_is_edges ? other_is_edges : vertices < other;

@@ -153,9 +153,9 @@ class SelfContact {
   /// Relative tangential displacement of the parts of a touching pair.
   struct Rub {
     FrictionLaw law;
-    Vec3 normal;   // unit
-    Vec3 stretch;  // m
-    bool slides;
+    Vec3 normal;               // unit
+    Vec3 stretch;              // m
+    double slid;               // m, since the parts last stuck
     const PairAnchor* anchor;  // null: a new contact
   };
   Rub findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const;

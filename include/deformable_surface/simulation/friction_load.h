@@ -39,9 +39,9 @@ class FrictionLoad : public solve::ExternalLoad {
     Vec3 stretch;     // m
     Vec3 sliding;     // m/s
     bool has_spring;  // false: a new touch
-    bool slides;
+    double slid;      // m, since the point last stuck
 
-    Vec3 force() const { return law.findForce(stretch, sliding, slides); }
+    Vec3 force() const { return law.findForce(stretch, sliding, slid); }
   };
   /// Values shared by all touches of a body at a time.
   struct Rubbing {
