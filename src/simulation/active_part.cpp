@@ -76,6 +76,8 @@ solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, cons
     state_.traits[k] = state.traits[i];
     held_turns_[k] = !moves || held_turns[i];
   }
+  state_.escaped.clear();
+  state_.escaped.reserve(loads_.contact.isEmpty() ? 0 : points_.size());
   state_.friction.clear();
   for (contact::BodyAnchor anchor : state.friction) {
     anchor.point = loads_.contact.points().numberInPart()[anchor.point];
@@ -96,6 +98,9 @@ void ActivePart::put(State& state) const {
     state.spins[points_[k]] = state_.spins[k];
   }
   putFriction(state.friction);
+  for (const auto& [tool, point] : state_.escaped)
+    state.escaped.emplace_back(tool, loads_.contact.points().numberInWhole()[point]);
+  std::sort(state.escaped.begin(), state.escaped.end());
 }
 
 // Anchors of sleeping points stay.

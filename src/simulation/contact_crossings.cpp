@@ -18,6 +18,7 @@ using tool::ToolParams;
 
 constexpr double kRounding = 1e-6;  // fraction of a step: possible rounding error of the time of its beginning
 constexpr Index kLook = 64;         // points between two checks for an interrupt: each may be traced over all moments
+constexpr double kBack = 0.01;      // of the depth of a passed point: a withdrawal that is as good as none
 constexpr int kMaxMoments = 64;
 constexpr double kTurn = 0.2;  // rad between two samples of a turning tool: paths in its frame are then nearly straight
 
@@ -66,6 +67,14 @@ std::optional<Entry> findCrossing(const ToolParams& tool, const Moments& moments
     last = next;
   }
   return std::nullopt;
+}
+
+// A point that has been passed over, at a place of the world. The plane is where the solid alone would push as much.
+ContactLoad::Passed findPassed(Index point, const Entry& entry, const ToolParams& tool, const Pose& pose, const Vec3& at,
+                               double time) {
+  const Vec3 place = toTool(pose, at);
+  const double depth = std::max(0.0, -geometry::findSignedDistance(tool.shape, place).distance);
+  return {point, entry, {std::max(0.0, -entry.heightOf(place) - depth), time}};
 }
 
 bool passes(const ContactLoad::Body& body) {
@@ -125,20 +134,23 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
         const Entry& entry = (passed - 1)->entry;
         const Vec3 place = toTool(moments.all[0].pose, state.positions[i]);
         const geometry::SignedDistance now = geometry::findSignedDistance(body.tool.shape, place);
-        if (!tool::pushesBack(entry, now) && tool::isHeldUp(body.tool.shape, entry, place, now)) {
-          scratch_.push_back(*(passed - 1));
+        const double depth = -entry.heightOf(place);
+        const Withdrawal withdrawal = (passed - 1)->withdrawal.follow(depth, time);
+        const bool is_back = withdrawal.at(time) <= kBack * depth;
+        if (!(is_back && tool::pushesBack(entry, now)) && tool::isHeldUp(body.tool.shape, entry, place, now)) {
+          scratch_.push_back({i, entry, withdrawal});
           continue;
         }
       }
       const Vec3 next = state.positions[i] + step * state.velocities[i];
       if (const std::optional<Entry> entry = findCrossing(body.tool, moments, state.positions[i], next))
-        scratch_.push_back({i, *entry});
+        scratch_.push_back(findPassed(i, *entry, body.tool, moments.all[0].pose, state.positions[i], time));
     }
     body.passed.swap(scratch_);
     any = any || !body.passed.empty();
   }
-  for (Body& body : bodies_)
-    if (!grows_ && (!body.pressed.empty() || points_.between())) any = easeAlone(time, step, state.positions, held, body) || any;
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    if (!grows_ && (!bodies_[b].pressed.empty() || points_.between())) any = updateAlone(time, state, held, b) || any;
   forgetTouches();
   return any || has_new_detour_;
 }
@@ -148,7 +160,8 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
   std::string notice;
   gone_through_.clear();
   forgetTouches();
-  for (Body& body : bodies_) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Body& body = bodies_[b];
     if (!passes(body)) continue;
     const Moments moments = listMoments(body.tool, time, step);
     scratch_.clear();
@@ -157,10 +170,12 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     for (Index i = 0; i < state.size(); ++i) {
       endIfInterrupted(i, kLook);
       if (passed != body.passed.end() && passed->point == i) {
-        scratch_.push_back(*passed++);
+        if (!state.hasEscaped(static_cast<Index>(b), i)) scratch_.push_back(*passed);
+        ++passed;
       } else if (!held[i]) {
         if (const std::optional<Entry> entry = findCrossing(body.tool, moments, before_[i], state.positions[i]))
-          scratch_.push_back({i, *entry});
+          scratch_.push_back(
+              findPassed(i, *entry, body.tool, moments.all[moments.count - 1].pose, state.positions[i], time + step));
       }
     }
     body.passed.swap(scratch_);
@@ -208,13 +223,13 @@ void ContactLoad::renumber(const std::vector<Index>& new_index) {
   for (Body& body : bodies_) {
     std::size_t kept = 0;
     for (const Passed& passed : body.passed)
-      if (new_index[passed.point] >= 0) body.passed[kept++] = {new_index[passed.point], passed.entry};
+      if (new_index[passed.point] >= 0) body.passed[kept++] = {new_index[passed.point], passed.entry, passed.withdrawal};
     body.passed.resize(kept);
     std::sort(body.passed.begin(), body.passed.end(), [](const Passed& a, const Passed& b) { return a.point < b.point; });
     const std::vector<Index>& new_number = points_.between() ? points_.numberInPart() : new_index;
     kept = 0;
     for (const Pressed& pressed : body.pressed)
-      if (new_number[pressed.point] >= 0) body.pressed[kept++] = {new_number[pressed.point], pressed.growth};
+      if (new_number[pressed.point] >= 0) body.pressed[kept++] = {new_number[pressed.point], pressed.growth, pressed.withdrawal};
     body.pressed.resize(kept);
     std::sort(body.pressed.begin(), body.pressed.end(), [](const Pressed& a, const Pressed& b) { return a.point < b.point; });
   }

@@ -28,7 +28,7 @@ Vec3 ContactDamping::findForce(std::size_t body, double time, const model::State
 void ContactDamping::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
   const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, time); };
-  contact_.forEachDampedTouch(time, state.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+  contact_.forEachDampedTouch(time, state, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
     contact_.points().addForce(touch.point, state.positions, findForce(motion, state, touch), forces);
   });
   contact_.addSeconds(timer.seconds());
@@ -37,7 +37,7 @@ void ContactDamping::addForces(double time, const model::State& state, Points& f
 double ContactDamping::estimateWork(double from, double to, const model::State&, const model::State& after) const {
   double work = 0.0;
   const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, from); };
-  contact_.forEachDampedTouch(to, after.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+  contact_.forEachDampedTouch(to, after, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
     const double speed = motion.velocityAt(touch.position).dot(touch.normal);
     work += 0.25 * coefficient(touch) * speed * speed * (to - from);
   });
@@ -48,7 +48,7 @@ double ContactDamping::estimateWork(double from, double to, const model::State&,
 void ContactDamping::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
   const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, time); };
-  contact_.forEachDampedTouch(time, state.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+  contact_.forEachDampedTouch(time, state, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
     const double full = findFull(motion, state, touch), spring = touch.force.norm();
     double along = coefficient(touch) / step;
     if (is_gradual_ && full > spring) along = springOf(touch);
@@ -59,7 +59,7 @@ void ContactDamping::addStiffness(double time, const model::State& state, double
 
 void ContactDamping::addIndefiniteStiffness(double time, const model::State& state, BlockSparse& stiffness) const {
   const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, time); };
-  contact_.forEachDampedTouch(time, state.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+  contact_.forEachDampedTouch(time, state, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
     const double along = findFull(motion, state, touch) < -touch.force.norm() ? -springOf(touch) : 0.0;
     contact_.points().addStiffness(touch.point, along * touch.normal * touch.normal.transpose(), stiffness);
   });

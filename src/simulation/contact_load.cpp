@@ -44,7 +44,6 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
 
 constexpr double kAhead = 30.0;    // time over 1 / rate, in which a portion of sub-steps passes (solve/time_march.cpp)
 constexpr double kDeeper = 0.01;   // of the radius of a cell: less is not deeper
-constexpr double kEased = 0.1;     // of that depth: as good as none
 constexpr double kSettled = 0.01;  // of the largest growth: smaller changes need no new equilibrium
 
 bool isBelow(const ContactLoad::Pressed& a, Index point) { return a.point < point; }
@@ -92,7 +91,9 @@ bool ContactLoad::mayHold(const Vec3& point, const Vec3& direction, double time)
   });
 }
 
-void ContactLoad::listTouches(const Body& body, double time, const Points& positions, std::vector<Touch>& touches) const {
+void ContactLoad::listTouches(std::size_t b, double time, const model::State& state, std::vector<Touch>& touches) const {
+  const Body& body = bodies_[b];
+  const Points& positions = state.positions;
   touches.clear();
   touches.reserve(points_.size());
   near_.clear();
@@ -113,7 +114,7 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
     endIfInterrupted(i, kLook);
     // Most points are far from most tools, and are skipped here.
     const bool is_passed = passed != body.passed.end() && passed->point == i;
-    const double growth = pressed != body.pressed.end() && pressed->point == i ? pressed++->growth : 0.0;
+    const double growth = pressed != body.pressed.end() && pressed->point == i ? pressed++->growthAt(time) : 0.0;
     const double squared_distance = (positions[i] - pose.position).squaredNorm();
     double reach = 0.0;
     if (between && mayTouchBetween(tool.shape, *between, i)) {
@@ -126,10 +127,11 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
     if (reach > 0.0 && d.distance < look) near_.push_back({i, d.distance, reach});
     bool is_held_up = false;
     if (is_passed) {
-      const tool::Entry& entry = passed++->entry;
       const Vec3 place = pose.orientation.conjugate() * (positions[i] - pose.position);
-      is_held_up = tool::isHeldUp(tool.shape, entry, place, d);
-      if (is_held_up) d = {entry.heightOf(place), pose.orientation * entry.normal};
+      const tool::Entry& entry = passed->entry;
+      is_held_up = !state.hasEscaped(static_cast<Index>(b), i) && tool::isHeldUp(tool.shape, entry, place, d);
+      if (is_held_up) d = {entry.heightOf(place) + passed->withdrawal.at(time), pose.orientation * entry.normal};
+      ++passed;
     }
     double stiffness = per_mass * points_.massOf(i);
     if (!pushing) {
@@ -146,12 +148,12 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
     stiffness = std::min(stiffness, pad);
     touches.push_back({i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness});
   }
-  if (between) listTouchesBetween(body, pose, positions, largest_growth, touches);
+  if (between) listTouchesBetween(body, time, pose, positions, largest_growth, touches);
 }
 
 // For the cells that are near.
-void ContactLoad::listTouchesBetween(const Body& body, const tool::Pose& pose, const Points& positions, double largest_growth,
-                                     std::vector<Touch>& touches) const {
+void ContactLoad::listTouchesBetween(const Body& body, double time, const tool::Pose& pose, const Points& positions,
+                                     double largest_growth, std::vector<Touch>& touches) const {
   const transfer::SampledPoints& between = *points_.between();
   Index looked = 0;
   auto pressed = std::lower_bound(body.pressed.begin(), body.pressed.end(), points_.numSimulated(), isBelow);
@@ -163,7 +165,7 @@ void ContactLoad::listTouchesBetween(const Body& body, const tool::Pose& pose, c
       const bool is_pressed = pressed != body.pressed.end() && pressed->point == p;
       if (between.isSpare(s) && !is_pressed) continue;
       endIfInterrupted(looked++, kLook);
-      const double growth = is_pressed ? pressed->growth : 0.0;
+      const double growth = is_pressed ? pressed->growthAt(time) : 0.0;
       const bool is_alone = is_pressed && !grows_;
       const Vec3 position = points_.place(p, positions);
       const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, std::max(growth, 0.0));
@@ -221,34 +223,36 @@ void ContactLoad::chooseAlone(const Body& body, double time, const Points& posit
   }
 }
 
-// In motion, before a step: chosen points that are outside are free again, the surface comes back to those from which it has
-// withdrawn, and new ones are chosen. Returns whether anything has changed.
-bool ContactLoad::easeAlone(double time, double step, const Points& positions, const std::vector<char>& held, Body& body) {
-  bool has_changed = false;
+// In motion, before a step: chosen points that are outside are free again, and new ones are chosen. Returns whether anything has
+// changed.
+bool ContactLoad::updateAlone(double time, const model::State& state, const std::vector<char>& held, std::size_t b) {
+  Body& body = bodies_[b];
+  const Points& positions = state.positions;
   body.pressed.reserve(points_.size());
   spare_.reserve(positions.size());
-  const double left = std::exp(-step / kEase);
   const tool::Pose pose = tool::interpolate(body.tool.path, time);
   std::size_t kept = 0;
-  for (Pressed pressed : body.pressed) {
+  bool has_changed = false;
+  for (const Pressed& pressed : body.pressed) {
     if (!points_.isBetween(pressed.point)) continue;
     const double small = kDeeper * points_.between()->radius(points_.simulationPointOf(pressed.point));
-    if (!(tool::findSignedDistance(body.tool.shape, pose, points_.place(pressed.point, positions), small).distance < small))
-      continue;
-    const double growth = pressed.growth < -kEased * small ? left * pressed.growth : 0.0;
-    has_changed = has_changed || growth != pressed.growth;
-    body.pressed[kept++] = {pressed.point, growth};
+    const Vec3 place = points_.place(pressed.point, positions);
+    const double distance = tool::findSignedDistance(body.tool.shape, pose, place, small).distance;
+    if (!(distance < small)) continue;
+    const Withdrawal withdrawal = pressed.withdrawal.follow(-distance, time);
+    has_changed = has_changed || pressed.growth > 0.0 || withdrawal.begins != pressed.withdrawal.begins;
+    body.pressed[kept++] = {pressed.point, 0.0, withdrawal};
   }
   has_changed = has_changed || kept != body.pressed.size();
   body.pressed.resize(kept);
   if (!*body.acts || !tool::isPushing(body.tool)) return has_changed;
-  listTouches(body, time, positions, pressing_);
+  listTouches(b, time, state, pressing_);
   chooseAlone(body, time, positions, held, pressing_);
   if (spare_.empty()) return has_changed;
   for (const Pressed& chosen : spare_) {
     // The force on it stays.
     const double share = points_.isSpare(chosen.point) ? 0.0 : points_.massOf(chosen.point) / points_.ownMassOf(chosen.point);
-    body.pressed.push_back({chosen.point, (share - 1.0) * chosen.growth});
+    body.pressed.push_back({chosen.point, 0.0, {(1.0 - share) * chosen.growth, time}});
   }
   std::sort(body.pressed.begin(), body.pressed.end(), isBefore);
   return true;
@@ -268,11 +272,12 @@ double ContactLoad::ownCompliance() const {
 }
 
 // Writes what the growth is to be into grown_. Returns by how much a growth changes at most, m: by the depth, up to its limit.
-double ContactLoad::grow(double time, const Points& positions, const std::vector<char>& held, Body& body) {
+double ContactLoad::grow(double time, const model::State& state, const std::vector<char>& held, std::size_t b) {
+  Body& body = bodies_[b];
   double change = 0.0;
   grown_.clear();
   if (!tool::isPushing(body.tool)) return change;
-  listTouches(body, time, positions, pressing_);
+  listTouches(b, time, state, pressing_);
   auto passed = body.passed.begin();
   for (const Touch& touch : pressing_) {
     while (passed != body.passed.end() && passed->point < touch.point) ++passed;
@@ -284,7 +289,7 @@ double ContactLoad::grow(double time, const Points& positions, const std::vector
     const double before = touch.pressed + touch.distance;
     change = std::max(change, std::abs(grown_.back().growth - before));
   }
-  chooseAlone(body, time, positions, held, pressing_);
+  chooseAlone(body, time, state.positions, held, pressing_);
   for (const Pressed& spare : spare_) {
     if (!points_.isSpare(spare.point)) continue;
     const double depth = std::min(spare.growth, most_growth_);
@@ -297,27 +302,27 @@ double ContactLoad::grow(double time, const Points& positions, const std::vector
 
 bool ContactLoad::settle(double time, const model::State& state, const std::vector<char>& held) {
   bool has_grown = false;
-  for (Body& body : bodies_) {
-    const double change = grow(time, state.positions, held, body);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const double change = grow(time, state, held, b);
     double largest = 0.0;
     for (const Pressed& point : grown_) largest = std::max(largest, point.growth);
     if (!(change > kSettled * largest)) continue;
-    body.pressed = grown_;
+    bodies_[b].pressed = grown_;
     has_grown = true;
   }
   forgetTouches();
   return has_grown;
 }
 
-const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body, double time, const Points& positions) const {
-  if (touches_.size() != bodies_.size() || touched_time_ != time || touched_at_ != positions) {
+const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body, double time, const model::State& state) const {
+  if (touches_.size() != bodies_.size() || touched_time_ != time || touched_at_ != state.positions) {
     touches_.resize(bodies_.size());
     for (Touches& touches : touches_) touches.are_known = false;
     touched_time_ = time;
-    touched_at_ = positions;
+    touched_at_ = state.positions;
   }
   Touches& touches = touches_[body];
-  if (!touches.are_known) listTouches(bodies_[body], time, positions, touches.list);
+  if (!touches.are_known) listTouches(body, time, state, touches.list);
   touches.are_known = true;
   return touches.list;
 }
@@ -325,30 +330,29 @@ const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body
 void ContactLoad::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
-    for (const Touch& touch : findTouches(b, time, state.positions))
-      points_.addForce(touch.point, state.positions, touch.force, forces);
+    for (const Touch& touch : findTouches(b, time, state)) points_.addForce(touch.point, state.positions, touch.force, forces);
   seconds_ += timer.seconds();
 }
 
-double ContactLoad::potentialOf(std::size_t body, double time, const Points& positions) const {
+double ContactLoad::potentialOf(std::size_t body, double time, const model::State& state) const {
   const ToolParams& tool = bodies_[body].tool;
   double sum = 0.0;
   const bool pushing = tool::isPushing(tool);
-  for (const Touch& touch : findTouches(body, time, positions))
+  for (const Touch& touch : findTouches(body, time, state))
     sum += touch.stiffness * (pushing ? 0.5 * touch.pressed * touch.pressed : attractionPotential(touch.distance, tool.reach));
   return sum;
 }
 
 double ContactLoad::potential(double time, const model::State& state) const {
   double sum = 0.0;
-  for (std::size_t b = 0; b < bodies_.size(); ++b) sum += potentialOf(b, time, state.positions);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) sum += potentialOf(b, time, state);
   return sum;
 }
 
 double ContactLoad::storedEnergy(double time, const model::State& state) const {
   double sum = 0.0;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
-    if (tool::isPushing(bodies_[b].tool)) sum += potentialOf(b, time, state.positions);
+    if (tool::isPushing(bodies_[b].tool)) sum += potentialOf(b, time, state);
   return sum;
 }
 
@@ -357,13 +361,28 @@ double ContactLoad::estimateWork(double from, double to, const model::State& bef
   return std::max({0.0, potential(to, before) - potential(from, before), potential(to, after) - potential(from, after)});
 }
 
+void ContactLoad::remember(double time, double, model::State& state) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    if (body.passed.empty()) continue;
+    const tool::Pose pose = tool::interpolate(body.tool.path, time);
+    for (const Passed& passed : body.passed) {
+      const Vec3 place = pose.orientation.conjugate() * (state.positions[passed.point] - pose.position);
+      if (state.hasEscaped(static_cast<Index>(b), passed.point) || !(passed.entry.heightOf(place) < 0.0)) continue;
+      if (!tool::isBeside(body.tool.shape, passed.entry, place, geometry::findSignedDistance(body.tool.shape, place))) continue;
+      const std::pair out(static_cast<Index>(b), passed.point);
+      state.escaped.insert(std::lower_bound(state.escaped.begin(), state.escaped.end(), out), out);
+    }
+  }
+}
+
 // The curvature of the tool's surface would soften a sliding point. It is left out, so that the matrix stays positive
 // semidefinite.
 void ContactLoad::addStiffness(double time, const model::State& state, double, BlockSparse& stiffness) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     // Also without contact: the sparsity pattern stays the same from step to step.
     for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
-    for (const Touch& touch : findTouches(b, time, state.positions))
+    for (const Touch& touch : findTouches(b, time, state))
       points_.addStiffness(touch.point, touch.stiffness * touch.normal * touch.normal.transpose(), stiffness);
   }
 }
@@ -379,7 +398,7 @@ void ContactLoad::addRowBounds(double time, const model::State& state, std::vect
       stiffness[i] += std::min(per_mass * points_.massOf(i), tool::isPushing(tool) ? padOf(i, false) : kNoPad);
     if (tool::isPushing(tool) && stiffening_ > 1.0) addStiffBounds(bodies_[b], time, state, stiffness);
     if (!points_.between()) continue;
-    for (const Touch& touch : findTouches(b, time, state.positions))
+    for (const Touch& touch : findTouches(b, time, state))
       if (points_.isBetween(touch.point)) points_.addRowBound(touch.point, touch.stiffness, stiffness);
   }
 }

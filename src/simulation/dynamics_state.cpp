@@ -26,7 +26,7 @@ std::size_t bytesInside(const SelfContactLoads::Memory& contact) { return contac
 std::size_t bytesInside(const Activity::Memory& activity) { return bytesOf(activity.quiet) + bytesOf(activity.moves); }
 std::size_t bytesInside(const model::State& s) {
   return bytesOf(s.positions) + bytesOf(s.velocities) + bytesOf(s.orientations) + bytesOf(s.spins) + bytesOf(s.traits) +
-         bytesOf(s.plastic) + bytesOf(s.friction) + bytesOf(s.self_friction);
+         bytesOf(s.plastic) + bytesOf(s.friction) + bytesOf(s.self_friction) + bytesOf(s.escaped);
 }
 template <class T>
 std::size_t bytesInside(const std::vector<T>& items) {

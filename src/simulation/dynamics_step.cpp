@@ -131,6 +131,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (!contact.isEmpty()) {
     const Timer contact_timer;
     appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, trianglesOf(*model_)));
+    points.escaped.clear();
     outcome.contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part_ ? part_->takeContactSeconds() : 0.0);
   }
   const auto [has_cut, has_flowed, leaves_copies] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
@@ -236,6 +237,7 @@ void Dynamics::beginToolContact(double now, double dt, Outcome& outcome) {
   if (contact.isEmpty()) return;
   const Timer contact_timer;
   contact.setGrowing(params_.integrator.type == solve::IntegratorType::kStatic, kMostGrowth * activity_.spacing());
+  now_.points.escaped.reserve(now_.points.size());
   const bool has_changed = contact.beginStep(now, dt, now_.points, held_);
   appendNotice(outcome.notice, contact.notice());
   outcome.has_new_arrival = contact.hasNewArrival();

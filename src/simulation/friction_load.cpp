@@ -56,7 +56,7 @@ Vec3 FrictionLoad::findForce(std::size_t body, double time, const model::State& 
 template <typename Visit>
 void FrictionLoad::forEachRub(double time, const model::State& state, const Visit& visit) const {
   const auto begin = [&](const tool::ToolParams& tool) { return beginRubbing(tool, time); };
-  contact_.forEachRubbingTouch(time, state.positions, begin, [&](const Rubbing& body, const ContactLoad::Touch& touch) {
+  contact_.forEachRubbingTouch(time, state, begin, [&](const Rubbing& body, const ContactLoad::Touch& touch) {
     visit(body, touch, findRub(body, state, touch));
   });
 }
@@ -79,7 +79,7 @@ double FrictionLoad::energy(double time, const model::State& state) const {
 double FrictionLoad::estimateWork(double from, double to, const model::State& before, const model::State& after) const {
   double work = std::max(0.0, energy(from, before) - energy(to, after));
   const auto begin = [&](const tool::ToolParams& tool) { return std::pair(tool.friction, tool::findMotion(tool.path, from)); };
-  contact_.forEachRubbingTouch(to, after.positions, begin, [&](const auto& body, const ContactLoad::Touch& touch) {
+  contact_.forEachRubbingTouch(to, after, begin, [&](const auto& body, const ContactLoad::Touch& touch) {
     work += body.first * touch.force.norm() * (to - from) * body.second.velocityAt(touch.position).norm();
   });
   return work;

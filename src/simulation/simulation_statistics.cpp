@@ -94,7 +94,7 @@ void Simulation::Impl::listSkipped() {
   const ContactLoad& contact = now.loads().contact;
   for (std::size_t b = 0; b < contact.all().size() && !may_touch; ++b)
     may_touch = !contact.all()[b].passed.empty() || isInReach(contact.all()[b].tool, now.time(), now.state().positions) ||
-                !contact.findTouches(b, now.time(), now.state().positions).empty();
+                !contact.findTouches(b, now.time(), now.state()).empty();
   list(!may_touch, "contact");
   list(now.loads().self_contact && !now.loads().self_contact->mayAct(), "self_contact");
 }

@@ -21,7 +21,7 @@ void addReactions(const LoadSet& loads, double time, const model::State& state, 
     if (found == reactions.end()) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    for (const ContactLoad::Touch& touch : loads.contact.findTouches(b, time, state.positions)) {
+    for (const ContactLoad::Touch& touch : loads.contact.findTouches(b, time, state)) {
       const Vec3 on_point = findForce(loads, b, time, state, touch);
       force -= on_point;
       torque -= (touch.position - pose.position).cross(on_point);
@@ -38,7 +38,7 @@ void appendContacts(const LoadSet& loads, double time, const model::State& state
   const std::vector<ContactLoad::Body>& bodies = loads.contact.all();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b].tool.id != id) continue;
-    for (const ContactLoad::Touch& touch : loads.contact.findTouches(b, time, state.positions))
+    for (const ContactLoad::Touch& touch : loads.contact.findTouches(b, time, state))
       contacts.push_back({place, loads.contact.points().simulationPointOf(touch.point), touch.position, touch.normal,
                           -touch.distance, findForce(loads, b, time, state, touch)});
   }

@@ -258,6 +258,8 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   if (limit) before_.resize(n);
   predicted_.friction = state.friction;
   predicted_.self_friction = state.self_friction;
+  predicted_.escaped.reserve(state.escaped.capacity());  // whoever steps reserves for all, so that no sub-step allocates
+  predicted_.escaped = state.escaped;
   double *const velocity = state.velocities.data()->data(), *const predicted = predicted_.velocities.data()->data();
   bool slow_acts = has_slow;  // at this end of a sub-step
   // Damping acts once at the beginning and the end of the step, twice between two sub-steps.
@@ -307,6 +309,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   for (const Carried& c : carried_) state.velocities[c.point] = c.velocity;
   report.carrying_work = carrying_work_;
   state.friction.swap(predicted_.friction);
+  state.escaped = predicted_.escaped;
   state.self_friction.swap(predicted_.self_friction);
   last_positions_ = state.positions;
   report.finite = allFinite(state);

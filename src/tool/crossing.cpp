@@ -44,6 +44,10 @@ bool isHeldUp(const Solid& solid, const Entry& entry, const Vec3& point, const S
   return now.distance <= 0.0 || findEntry(solid, point, point - height * entry.normal).has_value();
 }
 
+bool isBeside(const Solid& solid, const Entry& entry, const Vec3& point, const SignedDistance& now) {
+  return entry.heightOf(point) < 0.0 && !isHeldUp(solid, entry, point, now);
+}
+
 std::optional<Entry> findCrossing(const Solid& solid, const Vec3& from, const Vec3& to) {
   if (solid.kind == Solid::Kind::kPlane) return std::nullopt;  // a plane has no other side
   const double length = (to - from).norm();

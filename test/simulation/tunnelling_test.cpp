@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace deformable_surface::test {
@@ -147,6 +148,40 @@ TEST(Tunnelling, ANeedleThatFindsItsWayBetweenThePointsIsReportedOnce) {
     if (notice.find("tool 'mover' has gone through the surface between the points that touch tools") != std::string::npos) ++told;
   }
   EXPECT_EQ(told, 1);
+}
+
+// Points that come in by a side of the box and come out over its edge, and points between that are chosen there. Nothing damps.
+TEST(Tunnelling, ASheetThatSlidesOverEdgesGainsNoEnergy) {
+  for (const int cloud_points : {0, 8}) {
+    simulation::SceneParams p = heldSheet();
+    p.pins.clear();
+    p.gravity = Vec3(0.0, 0.0, -9.81);
+    p.material.damping = 0.0;
+    p.material.young_modulus = 2e4;
+    p.simplification.target_points = 120;
+    p.contact.cloud_points = cloud_points;
+    p.contact.self = false;
+    p.accuracy.estimate = false;
+    p.sleep.mode = simulation::Sleep::kNever;
+    tool::ToolParams box;
+    box.id = "box";
+    box.shape.kind = Solid::Kind::kBox;
+    box.shape.size = Vec3(0.4, 0.5, 0.1);
+    box.path = {{0.0, Vec3(0.5, 0.0, -0.06)}};
+    p.tools = {box};
+    simulation::Simulation s(p, asCloud(makeSheet(30, 30, 1.0, 1.0, 0.0).points));
+    double lowest = 0.0, rise = 0.0, fastest = 0.0;  // J
+    for (int k = 0; k < 150; ++k) {
+      ASSERT_TRUE(s.step().ok);
+      const simulation::Statistics now = s.statistics();
+      const double energy = now.kinetic_energy + now.elastic_energy + now.potential_energy;
+      lowest = std::min(lowest, energy);
+      rise = std::max(rise, energy - lowest);
+      fastest = std::max(fastest, now.kinetic_energy);
+    }
+    EXPECT_GT(fastest, 0.5);
+    EXPECT_LT(rise, 0.04 * fastest) << cloud_points;
+  }
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/contact/friction_anchors.h"
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::model {
@@ -27,6 +29,8 @@ struct State {
   Points velocities;                                 // (n x 3) m/s
   std::vector<contact::BodyAnchor> friction{};       // ascending by body, then point
   std::vector<contact::PairAnchor> self_friction{};  // ascending
+  /// Within a step: tools (their numbers in ContactLoad) and points that came out from behind them, ascending.
+  std::vector<std::pair<Index, Index>> escaped{};
   // For models whose points have orientations, else empty:
   Orientations orientations{};           // (n) unit, from the point's frame to the world: its z axis is the normal
   Points spins{};                        // (n x 3) angular velocity, rad/s
@@ -36,6 +40,9 @@ struct State {
   std::vector<Mat3> plastic{};  // (n) F_p^-1, from where the surroundings of a point are at rest now to where they were at first
   double dissipated = 0.0;      // J, by plastic flow
 
+  bool hasEscaped(Index tool, Index point) const {
+    return std::binary_search(escaped.begin(), escaped.end(), std::pair(tool, point));
+  }
   Index size() const { return static_cast<Index>(positions.size()); }
   /// The orientation of an oriented particle with its turn about the normal: the frame that shows the principal directions.
   Quaternion frame(Index i) const { return orientations[i] * Quaternion(Eigen::AngleAxisd(traits[i].turn, Vec3::UnitZ())); }

@@ -9,6 +9,7 @@
 #include "deformable_surface/tool/tool.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -22,13 +23,13 @@ namespace deformable_surface::simulation {
 /// same way, and pass the force on to the simulation points that they follow. A plane, or a ball so large that it cannot enter
 /// the surface between simulation points, touches only simulation points. A solid tool may pass over a point within a step, so
 /// that the point's shortest way out is no longer the way it came in. Such a point is pushed back along the latter, with d the
-/// depth below the plane there, until it is outside or beside the tool.
+/// depth below the plane there, until it is outside or beside the tool. The plane first withdraws so far that the force does not
+/// grow, and comes back (Withdrawal).
 ///
 /// Points between that are deeper than the other touching points of their cell are chosen before each step, one in a cell, to
 /// have springs of their own: as stiff as the stable step allows for one point (ContactPoints::ownMassOf()). Corners, edges and
 /// small tools press on such points. Spare points touch only once they are chosen. The tool's surface first withdraws from a
-/// chosen point by s < 0, so that its force does not jump and no energy is made, and comes back within some steps (kEase). The
-/// choice ends when the point is outside.
+/// chosen point, so that its force does not jump, and comes back (Withdrawal). The choice ends when the point is outside.
 ///
 /// In equilibria the depth is not left: it would make the tool softer than it is. Where points press on a solid tool, its surface
 /// grows by s towards them until they lie on the tool itself, and F = m r^2 (d + s) (setGrowing()). In motion nothing grows:
@@ -47,7 +48,6 @@ namespace deformable_surface::simulation {
 /// distance d, s the point's share of the total mass; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
 class ContactLoad : public solve::ExternalLoad {
  public:
-  static constexpr double kEase = 0.02;    // s, in which such a withdrawal falls to 1 / e
   static constexpr double kArrival = 0.1;  // s, or a step if that is longer; equal to the time in which a tool is moved elsewhere
 
   explicit ContactLoad(const std::vector<double>& masses) : points_(masses) {}
@@ -68,10 +68,24 @@ class ContactLoad : public solve::ExternalLoad {
   void setTools(const std::vector<tool::ToolParams>& tools);
   bool isEmpty() const { return bodies_.empty(); }
 
+  /// By how much a tool's surface has withdrawn from a point. It comes back with a point that moves outward, which takes no work,
+  /// and else so slowly that a point that comes again and again gains little: the work is the point's load times the way. A jump
+  /// would store energy in the spring.
+  struct Withdrawal {
+    static constexpr double kEase = 0.5;  // s, in which it falls to 1 / e
+    double way = 0.0, begins = 0.0;       // m, s
+
+    double at(double time) const { return way > 0.0 ? way * std::exp((begins - time) / kEase) : 0.0; }
+    /// The withdrawal after the surface has followed a point to its depth, m.
+    Withdrawal follow(double depth, double time) const {
+      return depth < at(time) ? Withdrawal{std::max(0.0, depth), time} : *this;
+    }
+  };
   /// A point that a tool has passed over, with its entry.
   struct Passed {
     Index point;
     tool::Entry entry;
+    Withdrawal withdrawal{};
   };
   /// How a tool that appears reaches its place.
   struct Arrival {
@@ -82,7 +96,10 @@ class ContactLoad : public solve::ExternalLoad {
   /// A point towards which the tool's surface has grown, or one with a spring of its own.
   struct Pressed {
     Index point;
-    double growth;  // m; negative: withdrawn
+    double growth;  // m, >= 0
+    Withdrawal withdrawal{};
+
+    double growthAt(double time) const { return growth - withdrawal.at(time); }
   };
   /// A tool, its path with the arrival, and the points that it has passed over and the pressed ones, ascending.
   /// Must be in a snapshot.
@@ -173,6 +190,9 @@ class ContactLoad : public solve::ExternalLoad {
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override;
+  /// Passed points that have come out over an edge are no longer pushed back. Otherwise a point that returned there would be as
+  /// deep as it has gone outside.
+  void remember(double time, double step, model::State& state) const override;
 
   /// A point that a tool acts on.
   struct Touch {
@@ -187,7 +207,7 @@ class ContactLoad : public solve::ExternalLoad {
   };
   /// The touches of one body, for every point that it acts on, ascending. Valid until the next call with another time or other
   /// positions. Computed once for all callers.
-  const std::vector<Touch>& findTouches(std::size_t body, double time, const Points& positions) const;
+  const std::vector<Touch>& findTouches(std::size_t body, double time, const model::State& state) const;
 
   /// Whether contact with this tool is damped. Springs stiffer than those of surfaces always are: points that leave a tool and
   /// return within few sub-steps would gain energy.
@@ -202,13 +222,13 @@ class ContactLoad : public solve::ExternalLoad {
   }
   /// visit(begin(tool), touch) for the touches of all tools with friction; begin is called once per tool.
   template <typename Begin, typename Visit>
-  void forEachRubbingTouch(double time, const Points& positions, const Begin& begin, const Visit& visit) const {
-    forEachTouch(tool::hasFriction, time, positions, begin, visit);
+  void forEachRubbingTouch(double time, const model::State& state, const Begin& begin, const Visit& visit) const {
+    forEachTouch(tool::hasFriction, time, state, begin, visit);
   }
   /// The same for all tools that are damped.
   template <typename Begin, typename Visit>
-  void forEachDampedTouch(double time, const Points& positions, const Begin& begin, const Visit& visit) const {
-    forEachTouch([this](const tool::ToolParams& tool) { return isDamped(tool); }, time, positions, begin, visit);
+  void forEachDampedTouch(double time, const model::State& state, const Begin& begin, const Visit& visit) const {
+    forEachTouch([this](const tool::ToolParams& tool) { return isDamped(tool); }, time, state, begin, visit);
   }
 
   /// Wall time (s) of contact and friction since the last call, without energies and stiffness.
@@ -223,18 +243,19 @@ class ContactLoad : public solve::ExternalLoad {
     }
   }
   template <typename IsMeant, typename Begin, typename Visit>
-  void forEachTouch(const IsMeant& isMeant, double time, const Points& positions, const Begin& begin, const Visit& visit) const {
+  void forEachTouch(const IsMeant& isMeant, double time, const model::State& state, const Begin& begin,
+                    const Visit& visit) const {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       if (!isMeant(bodies_[b].tool)) continue;
       const auto body = begin(bodies_[b].tool);
-      for (const Touch& touch : findTouches(b, time, positions)) visit(body, touch);
+      for (const Touch& touch : findTouches(b, time, state)) visit(body, touch);
     }
   }
-  void listTouchesBetween(const Body& body, const tool::Pose& pose, const Points& positions, double largest_growth,
+  void listTouchesBetween(const Body& body, double time, const tool::Pose& pose, const Points& positions, double largest_growth,
                           std::vector<Touch>& touches) const;
   void chooseAlone(const Body& body, double time, const Points& positions, const std::vector<char>& held,
                    const std::vector<Touch>& touches);
-  bool easeAlone(double time, double step, const Points& positions, const std::vector<char>& held, Body& body);
+  bool updateAlone(double time, const model::State& state, const std::vector<char>& held, std::size_t b);
   /// Whether points between share the area of a cell with its simulation point.
   bool isShared(const geometry::Solid& shape, Index cell) const;
   /// N/m, of the pad that a point presses on.
@@ -245,14 +266,14 @@ class ContactLoad : public solve::ExternalLoad {
   /// Whether the pad is softer than contact at a point that shares its cell.
   bool isPadded(Index point) const { return padOf(point, true) < rate_ * rate_ * points_.massOf(point); }
   void addStiffBounds(const Body& body, double time, const model::State& state, std::vector<double>& stiffness) const;
-  double grow(double time, const Points& positions, const std::vector<char>& held, Body& body);
+  double grow(double time, const model::State& state, const std::vector<char>& held, std::size_t b);
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
-  double potentialOf(std::size_t body, double time, const Points& positions) const;
+  double potentialOf(std::size_t body, double time, const model::State& state) const;
   // Keeps the memory.
   void forgetTouches() {
     for (Touches& touches : touches_) touches.are_known = false;
   }
-  void listTouches(const Body& body, double time, const Points& positions, std::vector<Touch>& touches) const;
+  void listTouches(std::size_t b, double time, const model::State& state, std::vector<Touch>& touches) const;
   double totalMass() const;
 
   ContactPoints points_;

@@ -29,6 +29,9 @@ std::optional<Entry> findCrossing(const geometry::Solid& solid, const Vec3& from
 /// solid lies on its way back along the normal. now: its signed distance.
 bool isHeldUp(const geometry::Solid& solid, const Entry& entry, const Vec3& point, const geometry::SignedDistance& now);
 
+/// Whether a point with this entry has come out over an edge: it is behind the plane, and the solid does not block it.
+bool isBeside(const geometry::Solid& solid, const Entry& entry, const Vec3& point, const geometry::SignedDistance& now);
+
 /// Whether the solid alone pushes a point inside it back to about the place of entry.
 bool pushesBack(const Entry& entry, const geometry::SignedDistance& now);
 
