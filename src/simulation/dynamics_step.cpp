@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "grazing.h"
 #include "step_messages.h"
 
 namespace deformable_surface::simulation {
@@ -132,6 +133,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
     const Timer contact_timer;
     appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, trianglesOf(*model_)));
     points.escaped.clear();
+    appendNotice(outcome.notice, describeGrazing(now + dt));
     outcome.contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part_ ? part_->takeContactSeconds() : 0.0);
   }
   const auto [has_cut, has_flowed, leaves_copies] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
@@ -230,6 +232,18 @@ std::string Dynamics::describeStopped() {
   return "parts of the surface met faster than the springs between them could stop; " +
          std::to_string(loads_.self_contact->numStopped()) +
          " points were stopped short in this step, which takes energy (statistics: stopped_points)";
+}
+
+// Reported once until the next reset.
+std::string Dynamics::describeGrazing(double now) {
+  if (has_reported_grazing_ || !kind_.traits().is_surface) return "";
+  const Grazing found = findGrazing(loads_.contact, now, now_.points, params_.material.thickness);
+  if (!found.slider) return "";
+  has_reported_grazing_ = true;
+  return "tool " + quote(found.slider->id) + " slides over the surface on tool " + quote(found.support->id) +
+         " without touching it, " + formatShort(found.gap) +
+         " m above points that have no thickness (material.thickness: " + formatShort(params_.material.thickness) +
+         "); to push the surface along, it must reach below them";
 }
 
 void Dynamics::beginToolContact(double now, double dt, Outcome& outcome) {
