@@ -86,14 +86,17 @@ class ChoiceByError {
   }
 
  private:
-  // How many points of the cloud the target counts at, in words. InputError if these are none.
+  // How many points of the cloud the target counts at, in words. InputError if a region holds none.
   std::string countPlaces() const {
     if (params_.accuracy.regions.empty()) return "";
     const Points& cloud = full_.dense.positions;
+    for (std::size_t r = 0; r < params_.accuracy.regions.size(); ++r) {
+      const geometry::Region& region = params_.accuracy.regions[r].region;
+      if (std::none_of(cloud.begin(), cloud.end(), [&](const Vec3& p) { return region.contains(p); }))
+        throw InputError("accuracy.regions[" + std::to_string(r) + "]: the shape holds none of the " + std::to_string(n_) +
+                         " points at rest; accepted: a shape that holds at least one");
+    }
     const auto counts = std::count_if(cloud.begin(), cloud.end(), [&](const Vec3& p) { return isInTarget(params_.accuracy, p); });
-    if (counts == 0)
-      throw InputError("accuracy.regions: the shapes hold none of the " + std::to_string(n_) +
-                       " points at rest; accepted: shapes that hold at least one");
     return " in accuracy.regions, which hold " + std::to_string(counts) + " of the cloud's points";
   }
 
@@ -157,7 +160,7 @@ class ChoiceByError {
     choice_.first_step = probe.first_step;
     choice_.is_met = probe.candidate.is_bounded;
     if (!choice_.is_met) {
-      choice_.sentence = asked_ + "expected of " + sayPoints(choice_.points, n_) +
+      choice_.sentence = asked_ + "probably met by " + sayPoints(choice_.points, n_) +
                          ", the fewest tried whose expected error over " + formatReal(params_.duration) + " s stays below it (" +
                          sayError() + "), but not for certain: the estimate is no bound there";
       return true;

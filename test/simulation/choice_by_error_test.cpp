@@ -58,7 +58,9 @@ TEST(ChoiceByError, TakesFewerPointsForTheErrorInARegion) {
     if (isInTarget(p.accuracy, cloud.positions[i])) inside = std::max(inside, (found[i] - truth[i]).norm());
   EXPECT_GT(inside, 0.0);
   EXPECT_LE(inside, p.accuracy.position_error);
-  p.accuracy.regions[0].region.max.x() = 0.100001;
+  // Beside one that holds points as well.
+  p.accuracy.regions.push_back(p.accuracy.regions[0]);
+  p.accuracy.regions[1].region.max.x() = 0.100001;
   EXPECT_THROW(Simulation(p, cloud), InputError);
 }
 
