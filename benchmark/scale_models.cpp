@@ -56,7 +56,7 @@ SceneParams makeScene(const Model& model, Index n) {
 }
 
 // Operations of the loops of src/model/mass_spring on a spring, a triangle and a curvature fit, and the bytes that they read and
-// write, each array once: springs.cpp, triangle_membrane.cpp, curvature_bending.cpp with 17 places in a fit.
+// write, each array once: springs.cpp, triangle_forces.cpp, curvature_bending.cpp with 17 places in a fit.
 struct Counts {
   double operations, bytes;
 };
