@@ -19,6 +19,8 @@ struct Products {
   Double4 square1, square2, dot, L;
 };
 
+using Flags4 = decltype(Double4{} < Double4{});
+
 DEFORMABLE_SURFACE_INLINE void multiplyEdges(const Double4* a, const Double4* b, Products& products) {
   products.square1 = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
   products.square2 = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
@@ -62,26 +64,38 @@ DEFORMABLE_SURFACE_INLINE void loadEdges(const Index* points, const double* posi
   }
 }
 
-// K11, K12, K22 take the places of square1, dot, square2. Returns whether a triangle is collapsed.
-DEFORMABLE_SURFACE_INLINE bool findK(const double* constants, double lambda, double mu, Products& products) {
-  Double4 G11, G12, G22, det, area, half_weight;  // half_weight = w A det D
-  load(constants, G11);
-  load(constants + 4, G12);
-  load(constants + 8, G22);
-  load(constants + 12, det);
-  load(constants + 16, area);
-  load(constants + 20, half_weight);
-  const Double4 square1 = products.square1, square2 = products.square2;
-  takeRoots(products.L);
-  const auto none = products.L == 0.0;
-  Double4 T = G11 * square1 + G22 * square2 + 2.0 * (G12 * products.dot + det * products.L);
-  takeRoots(T);
-  const Double4 s = lambda - 2.0 * (lambda + mu) / T;
-  const Double4 plain = area * (2.0 * mu + s), crossed = half_weight * s / products.L;
-  products.square1 = plain * G11 + crossed * square2;
-  products.dot = plain * G12 - crossed * products.dot;
-  products.square2 = plain * G22 + crossed * square1;
-  return none[0] || none[1] || none[2] || none[3];
+// Of n vectors of four triangles. K11, K12, K22 take the places of square1, dot, square2. is_collapsed: flags of the lanes, which
+// are only ever set. Two loops, each with one root, so that the processor finds more roots at a time.
+template <Index kMost>
+DEFORMABLE_SURFACE_INLINE void findK(Index n, const double* constants, double lambda, double mu, Products* products,
+                                     Flags4& is_collapsed) {
+  Double4 squared_traces[kMost];  // T^2
+  for (Index t = 0; t < n; ++t) {
+    Products& p = products[t];
+    Double4 G11, G12, G22, det;
+    load(constants + 24 * t, G11);
+    load(constants + 24 * t + 4, G12);
+    load(constants + 24 * t + 8, G22);
+    load(constants + 24 * t + 12, det);
+    takeRoots(p.L);
+    is_collapsed |= p.L == 0.0;
+    squared_traces[t] = G11 * p.square1 + G22 * p.square2 + 2.0 * (G12 * p.dot + det * p.L);
+  }
+  for (Index t = 0; t < n; ++t) {
+    Products& p = products[t];
+    Double4 G11, G12, G22, area, half_weight, T = squared_traces[t];  // half_weight = w A det D
+    load(constants + 24 * t, G11);
+    load(constants + 24 * t + 4, G12);
+    load(constants + 24 * t + 8, G22);
+    load(constants + 24 * t + 16, area);
+    load(constants + 24 * t + 20, half_weight);
+    takeRoots(T);
+    const Double4 s = lambda - 2.0 * (lambda + mu) / T;
+    const Double4 plain = area * (2.0 * mu + s), crossed = half_weight * s / p.L, square1 = p.square1;
+    p.square1 = plain * G11 + crossed * p.square2;
+    p.dot = plain * G12 - crossed * p.dot;
+    p.square2 = plain * G22 + crossed * square1;
+  }
 }
 
 // The sum of K over the triangles, in terms of the three edges of the patch, gives the forces on its last three points.
@@ -118,7 +132,7 @@ DEFORMABLE_SURFACE_INLINE void storeForces(const Double4* edges, const Products*
 }
 
 // The forces of the groups of four patches from begin to end, as in the header. Returns true if a triangle is collapsed; the
-// forces of its patch are then not finite. Three loops over a few groups each, so that roots and divisions of one group do not
+// forces of its patch are then not finite. Several loops over a few groups each, so that roots and divisions of one group do not
 // wait for those of another.
 template <int kTriangles>
 DEFORMABLE_SURFACE_INLINE bool computePatchForces(Index begin, Index end, const Index* points, const double* constants,
@@ -126,17 +140,16 @@ DEFORMABLE_SURFACE_INLINE bool computePatchForces(Index begin, Index end, const 
   constexpr Index kBatch = 32 / kTriangles;  // groups that fit the nearest cache
   Double4 edges[9 * kBatch];
   Products products[kTriangles * kBatch];
-  bool collapsed = false;
+  Flags4 is_collapsed{};
   for (Index batch = begin; batch < end; batch += kBatch) {
     const Index size = end - batch < kBatch ? end - batch : kBatch;
     for (Index k = 0; k < size; ++k)
       loadEdges<kTriangles>(points + 16 * (batch + k), positions, edges + 9 * k, products + kTriangles * k);
-    for (Index t = 0; t < kTriangles * size; ++t)
-      collapsed |= findK(constants + 24 * (kTriangles * batch + t), lambda, mu, products[t]);
+    findK<kTriangles * kBatch>(kTriangles * size, constants + 24 * kTriangles * batch, lambda, mu, products, is_collapsed);
     for (Index k = 0; k < size; ++k)
       storeForces<kTriangles>(edges + 9 * k, products + kTriangles * k, corner_force + 64 * (batch + k));
   }
-  return collapsed;
+  return is_collapsed[0] || is_collapsed[1] || is_collapsed[2] || is_collapsed[3];
 }
 
 DEFORMABLE_SURFACE_WIDE bool computeForcesOfFours(Index begin, Index end, const Index* points, const double* constants,
