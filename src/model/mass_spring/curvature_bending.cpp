@@ -1,5 +1,7 @@
 #include "deformable_surface/model/mass_spring/curvature_bending.h"
 
+#include "deformable_surface/base/parallel.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,8 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr double kCrushed = CurvatureLoop::kCrushed;
+constexpr Index kBlock = 64;    // fits per task: tens of microseconds of work
+constexpr Index kChunk = 4096;  // whose rates fit the stack and the nearest cache
 
 // Thirds of the triangles, m^2.
 std::vector<double> findAreas(const PlateRest& plate, const CurvatureFits& fits) {
@@ -238,11 +242,11 @@ void CurvatureBending::addCrushedStiffness(const WholeFit& fit, double weight, c
 // of the sum exceeds the maximum over points of the summed eigenvalues of the fits that use the point. The eigenvalue of a fit is
 // that of the 3 x 3 matrix D A sum_j r(j) r(j)^T / m_j, which its Frobenius norm bounds; r = R dk with R^T R the matrix of the
 // moments.
+// Rates are found by all threads, a chunk of fits at a time, then added in the order of the fits.
 double CurvatureBending::boundRate(const State& state, const std::vector<double>& masses) const {
-  rate_.assign(masses.size(), 0.0);
   const Mat3 root = momentRoot();
-  for (Index i = 0; i < neighbors_.size(); ++i) {
-    if (weight_[i] == 0.0) continue;
+  // By one fit: the norm of its stiffness over the masses.
+  const auto findRate = [&](Index i) {
     const WholeFit fit = wholeFit(i);
     const Derivatives d = sumDerivatives(fit, state.positions.data()->data(), 3);
     Mat3 matrix = Mat3::Zero();
@@ -259,8 +263,27 @@ double CurvatureBending::boundRate(const State& state, const std::vector<double>
         matrix += change * change.transpose() / masses[fit.points[r]];
       }
     }
-    const double largest = weight_[i] * matrix.norm();
-    for (Index r = 0; r < fit.size; ++r) rate_[fit.points[r]] += largest;
+    return weight_[i] * matrix.norm();
+  };
+  const auto addRate = [&](Index i, double rate) {
+    const Index num_points = numPoints();
+    const bool has_edge = std::any_of(neighbors_.begin(i), neighbors_.end(i), [&](Index j) { return j >= num_points; });
+    if (!has_edge) {
+      for (const Index* j = neighbors_.begin(i); j != neighbors_.end(i); ++j) rate_[*j] += rate;
+      return;
+    }
+    const WholeFit fit = wholeFit(i);
+    for (Index r = 0; r < fit.size; ++r) rate_[fit.points[r]] += rate;
+  };
+  rate_.assign(masses.size(), 0.0);
+  std::array<double, kChunk> rates;
+  for (Index first = 0; first < neighbors_.size(); first += kChunk) {
+    const Index size = std::min(kChunk, neighbors_.size() - first);
+    parallelFor(size, kBlock, [&](Index begin, Index end) {
+      for (Index k = begin; k < end; ++k) rates[k] = weight_[first + k] != 0.0 ? findRate(first + k) : 0.0;
+    });
+    for (Index k = 0; k < size; ++k)
+      if (weight_[first + k] != 0.0) addRate(first + k, rates[k]);
   }
   return *std::max_element(rate_.begin(), rate_.end());
 }

@@ -1,6 +1,8 @@
 // The stiffness of the triangles, and the springs along their edges that stand for it.
 #include "deformable_surface/model/mass_spring/triangle_membrane.h"
 
+#include "deformable_surface/base/parallel.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,52 +13,76 @@
 namespace deformable_surface::model {
 namespace {
 
+constexpr Index kBlock = 64;   // triangles per task: some microseconds of work
+constexpr Index kChunk = 512;  // whose blocks fit the second-level cache
+
 // Of the three corners in the plane at rest, where inverse is that of the edges from the first.
 std::array<Vec2, 3> findShapeGradients(const Mat2& inverse) {
   return {Vec2(-(inverse.row(0) + inverse.row(1))), Vec2(inverse.row(0)), Vec2(inverse.row(1))};
 }
 
+// Of the corners (0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2) of a triangle, N/m.
+using CornerBlocks = std::array<Mat3, 6>;
+
+// No eigenvalue is below `lowest`.
+void computeBlocks(const Mat32& F, const Mat2& inverse, double area, double mu, double lambda, double lowest, Index element,
+                   CornerBlocks& blocks) {
+  const Polar p = decompose(F, element);
+
+  // Principal stretches and directions: S = R^T F is symmetric.
+  const Mat2 S = p.rotation.transpose() * F;
+  const double mean = 0.5 * (S(0, 0) + S(1, 1)), difference = 0.5 * (S(0, 0) - S(1, 1));
+  const double offdiagonal = 0.5 * (S(0, 1) + S(1, 0));
+  const double radius = std::hypot(difference, offdiagonal);
+  const double angle = 0.5 * std::atan2(offdiagonal, difference);
+  const Vec2 v[2] = {Vec2(std::cos(angle), std::sin(angle)), Vec2(-std::sin(angle), std::cos(angle))};
+  const double stretch[2] = {mean + radius, mean - radius};
+
+  // d2W/dF2 has these eigenvectors (unit, 3 x 2) beside a plain 2 mu on the two remaining strains: R / sqrt 2 (dilation), R
+  // turned (spin in the plane), and n v_k^T (tilt out of the plane). c is the effect of the rotation's change.
+  const double c = 2.0 * mu - lambda * (p.trace - 2.0);
+  const double spin = std::max(lowest, 2.0 * mu - (p.trace > 0.0 ? 2.0 * c / p.trace : 0.0)) - 2.0 * mu;
+  Mat2 turn;
+  turn << 0.0, -1.0, 1.0, 0.0;
+  const Mat32 spin_mode = p.rotation * turn / std::sqrt(2.0), dilation_mode = p.rotation / std::sqrt(2.0);
+  double tilt[2];
+  for (int k = 0; k < 2; ++k) tilt[k] = std::max(lowest, 2.0 * mu - (stretch[k] > 1e-9 ? c / stretch[k] : 0.0)) - 2.0 * mu;
+
+  // Shape function gradients of the corners in the plane at rest.
+  Vec2 g[3];
+  g[1] = inverse.row(0);
+  g[2] = inverse.row(1);
+  g[0] = -g[1] - g[2];
+  for (int a = 0, place = 0; a < 3; ++a)
+    for (int b = 0; b <= a; ++b) {
+      Mat3 block = 2.0 * mu * g[a].dot(g[b]) * Mat3::Identity();
+      block += 2.0 * lambda * (dilation_mode * g[a]) * (dilation_mode * g[b]).transpose();
+      block += spin * (spin_mode * g[a]) * (spin_mode * g[b]).transpose();
+      for (int k = 0; k < 2; ++k) block += tilt[k] * v[k].dot(g[a]) * v[k].dot(g[b]) * p.normal * p.normal.transpose();
+      blocks[place++] = area * block;
+    }
+}
+
 }  // namespace
 
+// Computed by all threads, a chunk of triangles at a time, then added in the order of the triangles.
 void TriangleMembrane::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
   const double lowest = hessian == Hessian::kPositive ? 0.0 : -std::numeric_limits<double>::infinity();
-  for (std::size_t t = 0; t < elements_.size(); ++t) {
-    const Element& e = elements_[t];
-    const Mat32 F = gradient(e, state);
-    const Polar p = decompose(F, static_cast<Index>(t));
-
-    // Principal stretches and directions: S = R^T F is symmetric.
-    const Mat2 S = p.rotation.transpose() * F;
-    const double mean = 0.5 * (S(0, 0) + S(1, 1)), difference = 0.5 * (S(0, 0) - S(1, 1));
-    const double offdiagonal = 0.5 * (S(0, 1) + S(1, 0));
-    const double radius = std::hypot(difference, offdiagonal);
-    const double angle = 0.5 * std::atan2(offdiagonal, difference);
-    const Vec2 v[2] = {Vec2(std::cos(angle), std::sin(angle)), Vec2(-std::sin(angle), std::cos(angle))};
-    const double stretch[2] = {mean + radius, mean - radius};
-
-    // d2W/dF2 has these eigenvectors (unit, 3 x 2) beside a plain 2 mu on the two remaining strains: R / sqrt 2 (dilation), R
-    // turned (spin in the plane), and n v_k^T (tilt out of the plane). c is the effect of the rotation's change.
-    const double c = 2.0 * mu_ - lambda_ * (p.trace - 2.0);
-    const double spin = std::max(lowest, 2.0 * mu_ - (p.trace > 0.0 ? 2.0 * c / p.trace : 0.0)) - 2.0 * mu_;
-    Mat2 turn;
-    turn << 0.0, -1.0, 1.0, 0.0;
-    const Mat32 spin_mode = p.rotation * turn / std::sqrt(2.0), dilation_mode = p.rotation / std::sqrt(2.0);
-    double tilt[2];
-    for (int k = 0; k < 2; ++k) tilt[k] = std::max(lowest, 2.0 * mu_ - (stretch[k] > 1e-9 ? c / stretch[k] : 0.0)) - 2.0 * mu_;
-
-    // Shape function gradients of the corners in the plane at rest.
-    Vec2 g[3];
-    g[1] = e.inverse.row(0);
-    g[2] = e.inverse.row(1);
-    g[0] = -g[1] - g[2];
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b <= a; ++b) {
-        Mat3 block = 2.0 * mu_ * g[a].dot(g[b]) * Mat3::Identity();
-        block += 2.0 * lambda_ * (dilation_mode * g[a]) * (dilation_mode * g[b]).transpose();
-        block += spin * (spin_mode * g[a]) * (spin_mode * g[b]).transpose();
-        for (int k = 0; k < 2; ++k) block += tilt[k] * v[k].dot(g[a]) * v[k].dot(g[b]) * p.normal * p.normal.transpose();
-        stiffness.add(e.corner[a], e.corner[b], e.area * block);
+  const Index n = static_cast<Index>(elements_.size());
+  std::array<CornerBlocks, kChunk> blocks;
+  for (Index first = 0; first < n; first += kChunk) {
+    const Index size = std::min(kChunk, n - first);
+    parallelFor(size, kBlock, [&](Index begin, Index end) {
+      for (Index k = begin; k < end; ++k) {
+        const Element& e = elements_[first + k];
+        computeBlocks(gradient(e, state), e.inverse, e.area, mu_, lambda_, lowest, first + k, blocks[k]);
       }
+    });
+    for (Index k = 0; k < size; ++k) {
+      const Index* const corner = elements_[first + k].corner;
+      for (int a = 0, place = 0; a < 3; ++a)
+        for (int b = 0; b <= a; ++b) stiffness.add(corner[a], corner[b], blocks[k][place++]);
+    }
   }
 }
 
