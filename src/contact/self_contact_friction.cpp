@@ -66,7 +66,8 @@ void SelfContact::moveAnchors(const Points& positions, const Points& velocities,
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     Vec3 stretch = rub.stretch;
-    const double slid = rub.law.slide(stretch, findSliding(near, velocities), rub.slid, rub.anchor ? step : 0.0);
+    const Vec3 sliding = findSliding(near, velocities);
+    const double slid = rub.anchor ? rub.law.slide(stretch, sliding, rub.slid, step) : rub.law.slidAtFirst(sliding);
     if (rub.anchor && slid == 0.0) {
       next_.push_back(*rub.anchor);
       next_.back().slid = 0.0;

@@ -122,6 +122,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
       continue;
     }
     const Moments moments = listMoments(body.tool, time, step);
+    const tool::Motion motion = tool::findMotion(body.tool.path, time);
     scratch_.clear();
     scratch_.reserve(state.size());
     auto passed = body.passed.begin();
@@ -135,7 +136,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
         const Vec3 place = toTool(moments.all[0].pose, state.positions[i]);
         const geometry::SignedDistance now = geometry::findSignedDistance(body.tool.shape, place);
         const double depth = -entry.heightOf(place);
-        const Withdrawal withdrawal = (passed - 1)->withdrawal.follow(depth, time);
+        const Withdrawal withdrawal = (passed - 1)->withdrawal.goOn(time, depth, motion.velocityAt(state.positions[i]).norm());
         const bool is_back = withdrawal.at(time) <= kBack * depth;
         if (!(is_back && tool::pushesBack(entry, now)) && tool::isHeldUp(body.tool.shape, entry, place, now)) {
           scratch_.push_back({i, entry, withdrawal});

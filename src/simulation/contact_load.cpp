@@ -231,6 +231,7 @@ bool ContactLoad::updateAlone(double time, const model::State& state, const std:
   body.pressed.reserve(points_.size());
   spare_.reserve(positions.size());
   const tool::Pose pose = tool::interpolate(body.tool.path, time);
+  const tool::Motion motion = tool::findMotion(body.tool.path, time);
   std::size_t kept = 0;
   bool has_changed = false;
   for (const Pressed& pressed : body.pressed) {
@@ -239,7 +240,7 @@ bool ContactLoad::updateAlone(double time, const model::State& state, const std:
     const Vec3 place = points_.place(pressed.point, positions);
     const double distance = tool::findSignedDistance(body.tool.shape, pose, place, small).distance;
     if (!(distance < small)) continue;
-    const Withdrawal withdrawal = pressed.withdrawal.follow(-distance, time);
+    const Withdrawal withdrawal = pressed.withdrawal.goOn(time, -distance, motion.velocityAt(place).norm());
     has_changed = has_changed || pressed.growth > 0.0 || withdrawal.begins != pressed.withdrawal.begins;
     body.pressed[kept++] = {pressed.point, 0.0, withdrawal};
   }

@@ -22,6 +22,7 @@ Grazing findGrazing(const ContactLoad& contact, double time, const model::State&
     if (slider.mode != tool::Mode::kSolid || !bodies[s].acts.value_or(false)) continue;
     const tool::Motion motion = tool::findMotion(slider.path, time);
     if (motion.velocity.isZero(0.0) && motion.angular_velocity.isZero(0.0)) continue;
+    if (!contact.findTouches(s, time, state).empty()) continue;
     const tool::Pose pose = tool::interpolate(slider.path, time);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (b == s || bodies[b].tool.mode != tool::Mode::kSolid) continue;

@@ -11,8 +11,9 @@ struct Grazing {
   double gap = 0.0;  // m, between a point on the support and the slider
 };
 
-/// The first solid tool that slides, at a time (s), within a thickness (m) over a point that another tool pushes towards it.
-/// Simulation points have no thickness: the slider passes over them, where a real surface would be pushed along.
+/// The first solid tool that touches nothing and slides, at a time (s), within a thickness (m) over a point that another tool
+/// pushes towards it. Simulation points have no thickness: the slider passes over them, where a real surface would be pushed
+/// along.
 Grazing findGrazing(const ContactLoad& contact, double time, const model::State& state, double thickness);
 
 }  // namespace deformable_surface::simulation

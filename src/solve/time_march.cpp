@@ -183,7 +183,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     return {};
   }
   if (memory_.type != IntegratorType::kVerlet) {
-    portion_start_ = state;
+    beginPortion(state);
     const SolveReport report = integrator(memory_.type).advance(system_, time, part, share * memory_.max_substep, state);
     work_ += report.carrying_work ? *report.carrying_work + system_.loadWork(time, time + part, portion_start_, state)
              : memory_.type == IntegratorType::kStatic ? system_.estimateStaticWork(time, time + part, portion_start_, state)
@@ -200,7 +200,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     if (!is_too_stiff_ && left > kHopeless) substeps_needed_ = left;
     if (is_too_stiff_ || substeps_needed_ > 0 || isInterrupted()) return total;
     const double portion = left <= kPortion ? part - done : (part - done) * kPortion / left;
-    portion_start_ = state;
+    beginPortion(state);
     Integrator& verlet = integrator(IntegratorType::kVerlet);
     verlet.setSlowStep(kSlowShare * share * memory_.max_slow_step, most_inner_);
     const SolveReport report = verlet.advance(system_, time + done, portion, share * memory_.max_substep, state);
@@ -224,7 +224,7 @@ SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state)
   SolveReport total;
   for (Index k = 0; k < parts && total.finite && !isInterrupted(); ++k) {
     const double from = time + k * part;
-    portion_start_ = state;
+    beginPortion(state);
     const SolveReport report = integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state);
     work_ += *report.carrying_work + system_.loadWork(from, from + part, portion_start_, state);
     add(report, total);

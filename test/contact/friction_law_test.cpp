@@ -61,6 +61,13 @@ TEST(FrictionLaw, MakesNoEnergy) {
   EXPECT_GT(largest, 1e-4);
 }
 
+TEST(FrictionLaw, WhatBeginsFastSlidesFromTheBeginning) {
+  EXPECT_EQ(kLaw.slidAtFirst(kStill), 0.0);
+  EXPECT_LT(kLaw.slidAtFirst(Vec3(1e-3, 0.0, 0.0)), 0.1 * kOnset);
+  EXPECT_GT(kLaw.slidAtFirst(Vec3(10.0, 0.0, 0.0)), kOnset);
+  EXPECT_EQ(FrictionLaw{}.slidAtFirst(Vec3(1.0, 0.0, 0.0)), 0.0);
+}
+
 TEST(FrictionLaw, ActsAgainstTheMotionOfWhatHasNoSpringYet) {
   EXPECT_TRUE(kLaw.findForce(kStill, Vec3(0.1, 0.0, 0.0), 0.0).isApprox(Vec3(-0.5, 0.0, 0.0)));
   EXPECT_NEAR(kLaw.findForce(kStill, Vec3(9.0, 0.0, 0.0), 0.0).norm(), 2.0, 1e-12);

@@ -12,6 +12,7 @@ namespace deformable_surface::contact {
 /// Otherwise a contact that begins, or trembles, would slide for good at the first moment without pressure.
 struct FrictionLaw {
   static constexpr double kOnset = 10.0;
+  static constexpr double kBuildUp = 2.5;  // times c / k: one over the frequency, with a fifth of critical damping
 
   double static_limit = 0.0;   // N, mu_s F_n: a sticking point begins to slide there
   double kinetic_limit = 0.0;  // N, mu_k F_n: after sliding by D, not above static_limit
@@ -22,6 +23,11 @@ struct FrictionLaw {
   double limit(double slid) const {
     const double way = stiffness * slid, full = kOnset * static_limit;
     return way < full ? static_limit - way / full * (static_limit - kinetic_limit) : kinetic_limit;
+  }
+  /// m, of a contact that begins with a sliding velocity: what slides by D while the pressure builds up, slides from the
+  /// beginning.
+  double slidAtFirst(const Vec3& sliding) const {
+    return stiffness > 0.0 ? kBuildUp * damping / stiffness * sliding.norm() : 0.0;
   }
   /// The force without the limit, N.
   Vec3 findTrial(const Vec3& stretch, const Vec3& sliding) const { return -(stiffness * stretch + damping * sliding); }

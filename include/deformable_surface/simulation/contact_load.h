@@ -68,17 +68,21 @@ class ContactLoad : public solve::ExternalLoad {
   void setTools(const std::vector<tool::ToolParams>& tools);
   bool isEmpty() const { return bodies_.empty(); }
 
-  /// By how much a tool's surface has withdrawn from a point. It comes back with a point that moves outward, which takes no work,
-  /// and else so slowly that a point that comes again and again gains little: the work is the point's load times the way. A jump
-  /// would store energy in the spring.
+  /// By how much a tool's surface has withdrawn from a point. A jump back would store energy in the spring. The surface comes
+  /// back with a point that moves outward, which takes no work, and by as much as the tool moves. Else it comes back so slowly
+  /// that a point that comes again and again gains little: the work is the point's load times the way.
   struct Withdrawal {
-    static constexpr double kEase = 0.5;  // s, in which it falls to 1 / e
-    double way = 0.0, begins = 0.0;       // m, s
+    static constexpr double kEase = 0.5;          // s, in which it falls to 1 / e
+    double way = 0.0, begins = 0.0, speed = 0.0;  // m, s; m/s, of the tool
 
-    double at(double time) const { return way > 0.0 ? way * std::exp((begins - time) / kEase) : 0.0; }
-    /// The withdrawal after the surface has followed a point to its depth, m.
-    Withdrawal follow(double depth, double time) const {
-      return depth < at(time) ? Withdrawal{std::max(0.0, depth), time} : *this;
+    double at(double time) const {
+      return way > 0.0 ? std::max(0.0, way * std::exp((begins - time) / kEase) - (time - begins) * speed) : 0.0;
+    }
+    /// The same from a time on, with a point at a depth (m) that it follows, and the speed of the tool there (m/s).
+    Withdrawal goOn(double time, double depth, double tool_speed) const {
+      const double now = at(time);
+      if (!(depth < now) && tool_speed == speed) return *this;
+      return {std::clamp(depth, 0.0, now), time, tool_speed};
     }
   };
   /// A point that a tool has passed over, with its entry.

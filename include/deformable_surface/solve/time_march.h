@@ -103,6 +103,11 @@ class TimeMarch {
   void goBack(double time, State& state);
   bool estimatesStableStep() const;
   void watchResonance();
+  // Copies the state, with room for what grows within a step, so that no step allocates.
+  void beginPortion(const State& state) {
+    portion_start_.escaped.reserve(state.escaped.capacity());
+    portion_start_ = state;
+  }
   bool isSound(double time, const SolveReport& report, const State& state);
   bool isInSpace(const State& state) const;
   EnergyGuard::Allowance allowance() const;
