@@ -24,8 +24,7 @@ struct FrictionLaw {
     const double way = stiffness * slid, full = kOnset * static_limit;
     return way < full ? static_limit - way / full * (static_limit - kinetic_limit) : kinetic_limit;
   }
-  /// m, of a contact that begins with a sliding velocity: what slides by D while the pressure builds up, slides from the
-  /// beginning.
+  /// m, of a new pair of parts that already slide on each other: its way while the pressure builds up. Tools do not use it.
   double slidAtFirst(const Vec3& sliding) const {
     return stiffness > 0.0 ? kBuildUp * damping / stiffness * sliding.norm() : 0.0;
   }
