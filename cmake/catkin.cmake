@@ -186,7 +186,7 @@ if(CATKIN_ENABLE_TESTING)
            COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/scripts/look_at_scan_test.py)
 
   # Parameter sweeps: plans and tables, and real clusters on this machine, which skip themselves without Dask, or Slurm.
-  foreach(case engine plan store simulator local scheduler slurm calibration)
+  foreach(case engine plan store command simulator local scheduler slurm calibration)
     add_test(NAME sweep_${case}
              COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/sweep/sweep_${case}_test.py)
     set_tests_properties(sweep_${case} PROPERTIES SKIP_RETURN_CODE 77)

@@ -133,6 +133,9 @@ def run_sweep(options):
     finally:
         progress.finish()
         store.close()
+        if any(name not in records for name in names):
+            # An interrupt may have come after a result was stored and before it was recorded here.
+            records = {**store.read(), **records}
         written = write_table(sweep.plan, names, records, options.out)
     problems = [records[name]["problem"] for name in dict.fromkeys(names) if records[name]["status"] != "done"]
     progress.say("%s; %d runs in %s; %s" % (progress.describe_end(problems), len(todo), describe_time(time.monotonic() - begun),
