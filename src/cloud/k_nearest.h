@@ -22,7 +22,9 @@ class KNearest {
     } else {
       out_.emplace_back();
     }
+    // By distance alone first: ties are rare, and a comparison of both takes twice the time.
     std::size_t at = out_.size() - 1;
+    for (; at > 0 && squared_distance < out_[at - 1].squared_distance; --at) out_[at] = out_[at - 1];
     for (; at > 0 && candidate < out_[at - 1]; --at) out_[at] = out_[at - 1];
     out_[at] = candidate;
     if (out_.size() == k_) bound_ = out_.back().squared_distance;
