@@ -105,6 +105,8 @@ void keepOverSurface(Preparation& p) {
   const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(positions, sides, lists, {});
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(lists));
   p.num_at_gaps = found.num_at_gaps;
+  p.are_nearest.clear();
+  for (const char is_changed : found.is_changed) p.are_nearest.push_back(!is_changed);
   p.neighbors = std::move(found.lists);
 }
 
@@ -192,7 +194,7 @@ std::vector<Stage> listStages() {
        },
        [](const Preparation& p) { return areaError(p.rings); }, [](const Preparation& p) { return hashValues(p.rings.area); }},
       {"area of all points", "relative error",
-       [](Preparation& p) { p.area = cloud::measureArea(p.cloud.positions, p.normals, p.neighbors); },
+       [](Preparation& p) { p.area = cloud::measureArea(p.cloud.positions, p.normals, p.neighbors, p.are_nearest); },
        [](const Preparation& p) { return std::abs(p.area / findWavyArea() - 1.0); },
        [](const Preparation& p) { return hashBytes(&p.area, sizeof p.area); }},
       {"model", "relative error of mass",

@@ -29,6 +29,7 @@ struct Preparation {
   cloud::CleanCloud cleaned;
   Lists neighbors;
   Index num_at_gaps = 0;
+  std::vector<char> are_nearest;  // lists that hold the nearest in space
   Points normals;
   cloud::Boundary boundary;
   cloud::Simplification simplification;

@@ -336,7 +336,7 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
                      " points; the three numbers must be equal");
   }
   const Apart apart = findApart(graph, positions, sides, neighbors);
-  const std::vector<char> at_gap = findAtGap(positions, apart.lists, neighbors);
+  std::vector<char> at_gap = findAtGap(positions, apart.lists, neighbors);
   std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
   std::vector<Index> count(n), refused(n);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
@@ -382,6 +382,7 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
   result.num_joined = countJoined(graph, positions, sides, neighbors);
   result.num_refused = std::accumulate(refused.begin(), refused.end(), Index{0});
   result.lists = joinBlocks(blocks, count, at_gap, neighbors);
+  result.is_changed = std::move(at_gap);
   return result;
 }
 

@@ -219,12 +219,20 @@ bool fitOwnPlane(const Points& positions, Index i, const Index* first, const Ind
 }  // namespace
 
 Points estimateNormals(const Points& positions, const Lists& neighbors) {
-  checkSizes("estimateNormals", positions, neighbors);
   Points normals(positions.size());
-  parallelFor(static_cast<Index>(positions.size()), kBlock, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) normals[i] = fitPlane(positions, i, neighbors.begin(i), neighbors.end(i)).normal;
-  });
+  estimateNormals(positions, neighbors, std::vector<char>(positions.size(), 1), normals);
   return normals;
+}
+
+void estimateNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_marked, Points& normals) {
+  checkSizes("estimateNormals", positions, neighbors);
+  if (is_marked.size() != positions.size() || normals.size() != positions.size())
+    throw InputError("estimateNormals: " + std::to_string(is_marked.size()) + " marks and " + std::to_string(normals.size()) +
+                     " normals for " + std::to_string(positions.size()) + " points; there must be one of each for every point");
+  parallelFor(static_cast<Index>(positions.size()), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      if (is_marked[i]) normals[i] = fitPlane(positions, i, neighbors.begin(i), neighbors.end(i)).normal;
+  });
 }
 
 NormalsInSpace estimateNormalsInSpace(const Points& positions, const Lists& neighbors) {
@@ -232,6 +240,7 @@ NormalsInSpace estimateNormalsInSpace(const Points& positions, const Lists& neig
   const Index n = static_cast<Index>(positions.size());
   NormalsInSpace found;
   found.normals.resize(n);
+  found.is_own.resize(n);
   Points near(n);                                      // of the flattest window around each point
   std::vector<float> thickness(n), near_thickness(n);  // of the whole neighbourhood, and of that window
   parallelFor(n, kBlock, [&](Index begin, Index end) {
@@ -246,6 +255,7 @@ NormalsInSpace estimateNormalsInSpace(const Points& positions, const Lists& neig
         if (of_few.width > kLine && of_few.thickness < std::min(kFlatWindow, kMuchFlatter * plane.thickness)) flattest = of_few;
       }
       found.normals[i] = plane.normal;
+      found.is_own[i] = is_own;
       thickness[i] = static_cast<float>(plane.thickness);
       near[i] = flattest.normal;
       near_thickness[i] = static_cast<float>(flattest.thickness);

@@ -65,11 +65,11 @@ void appendNeighborsOfNeighbors(const Points& positions, const Lists& neighbors,
     }
 }
 
-// Calls visit(i, linked, star) for every point, in parallel: linked neighbours, of which the star names some. is_wide: the
+// Calls visit(i, linked, star) for every point, in parallel: linked neighbours, of which the star names some. isWide(i): the
 // neighbours' neighbours are members, too.
-template <class Visit>
+template <class IsWide, class Visit>
 void visitStars(const Points& positions, const Points& normals, const Lists& neighbors, const LinkRule& rule,
-                const std::vector<char>& is_boundary, bool is_wide, const Visit& visit) {
+                const std::vector<char>& is_boundary, const IsWide& isWide, const Visit& visit) {
   const Index n = neighbors.size();
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     geometry::DelaunayStarBuilder builder;
@@ -78,7 +78,7 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
     PointMap known;
     for (Index i = begin; i < end; ++i) {
       list.assign(neighbors.begin(i), neighbors.end(i));
-      if (is_wide) appendNeighborsOfNeighbors(positions, neighbors, rule, i, known, list);
+      if (isWide(i)) appendNeighborsOfNeighbors(positions, neighbors, rule, i, known, list);
       const TangentPlane plane(positions[i], normals[i]);
       linked.clear();
       projected.clear();
@@ -113,7 +113,8 @@ Stars buildStars(const Points& positions, const Points& normals, const Lists& ne
   Index max_count = 0;
   for (Index i = 0; i < n; ++i) max_count = std::max(max_count, neighbors.count(i));
   const Boundary boundary = findBoundary(positions, normals, neighbors, std::max(1, max_count / 2));
-  visitStars(positions, normals, neighbors, LinkRule(positions, normals, neighbors), boundary.is_boundary, false,
+  const auto isWide = [](Index) { return false; };
+  visitStars(positions, normals, neighbors, LinkRule(positions, normals, neighbors), boundary.is_boundary, isWide,
              [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
                stars.count[i] = static_cast<Index>(star.ring.size());
                for (Index r = 0; r < stars.count[i]; ++r) {
@@ -307,11 +308,21 @@ Rings buildRings(const Points& positions, const Points& normals, const Lists& ne
 // Lists over the surface leave out some near points beyond wide gaps between points. Stars that disagree overlap: by 0.8 % of the
 // area of a lattice jittered by 0.3 of its spacing, by 3 % with 0.45. Their neighbours' neighbours are enough (0.0, 0.1 %). Gaps
 // at boundaries count up to kInnerGap, but for those across holes.
-double measureArea(const Points& positions, const Points& normals, const Lists& neighbors) {
+double measureArea(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& are_nearest) {
   checkSizes("measureArea", positions, normals, neighbors);
+  if (!are_nearest.empty() && are_nearest.size() != positions.size())
+    throw InputError("measureArea: " + std::to_string(are_nearest.size()) + " marks for " + std::to_string(positions.size()) +
+                     " points; accepted: as many, or none");
   const LinkRule rule(positions, normals, neighbors);
+  // A list of the nearest in space that reaches farther than appendNeighborsOfNeighbors() has all that this would append.
+  const auto isWide = [&](Index i) {
+    constexpr double kRounding = 1.0 + 1e-9;
+    if (are_nearest.empty() || !are_nearest[i] || neighbors.count(i) == 0) return true;
+    const double squared_reach = (positions[neighbors.end(i)[-1]] - positions[i]).squaredNorm();
+    return !(squared_reach > kRounding * kNear * kNear * rule.maxSquaredLength(i, i));
+  };
   std::vector<double> area(positions.size(), 0.0);
-  visitStars(positions, normals, neighbors, rule, std::vector<char>(positions.size(), 0), true,
+  visitStars(positions, normals, neighbors, rule, std::vector<char>(positions.size(), 0), isWide,
              [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
                const std::size_t count = star.ring.size();
                for (std::size_t r = 0; r < count; ++r) {

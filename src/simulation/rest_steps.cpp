@@ -38,7 +38,7 @@ Parts findDenseParts(const SceneParams& params, const FindNeighbors& find, const
   s.dense = dense;
   s.pixel_links = of.pixel_links;
   s.is_thick = of.is_thick;
-  Points normals = find(params, s);
+  Points normals = find(params, s).normals;
   if (normals.empty()) normals = cloud::estimateNormals(dense.positions, s.dense_neighbors);
   const cloud::LinkRule rule(dense.positions, normals, s.dense_neighbors);
   std::vector<std::pair<Index, Index>> links;
@@ -91,7 +91,7 @@ std::vector<double> wantSpacing(const SceneParams& params, const std::vector<cha
 
 }  // namespace
 
-Points findNeighbors(const SceneParams& scene, RestSurface& s) {
+FoundNeighbors findNeighbors(const SceneParams& scene, RestSurface& s) {
   const cloud::NeighborsParams& params = scene.neighbors;
   if (!s.pixel_links.isEmpty() && params.geodesic_exponent.is_auto) {
     s.dense_neighbors = cloud::findNeighbors(s.pixel_links, s.pixel_links.findPoints(s.dense.point_of_input), s.dense.positions,
@@ -101,8 +101,9 @@ Points findNeighbors(const SceneParams& scene, RestSurface& s) {
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
   // Particles have no rings that could come apart.
   if (!s.is_thick && !findModel(scene.model).traits().is_oriented) warnOfRows(s);
-  if (params.areEuclidean() || s.is_thick) return {};
+  if (params.areEuclidean() || s.is_thick) return {{}, std::vector<char>(s.dense.positions.size(), 1)};
   cloud::SurfaceSides sides;
+  std::vector<char> is_own;
   const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
   sides.oriented = is_given;
   if (is_given) {
@@ -111,6 +112,7 @@ Points findNeighbors(const SceneParams& scene, RestSurface& s) {
     cloud::NormalsInSpace normals = cloud::estimateNormalsInSpace(s.dense.positions, s.dense_neighbors);
     sides.normals = std::move(normals.normals);
     sides.at_creases = std::move(normals.at_creases);
+    is_own = std::move(normals.is_own);
   }
   const Points& positions = s.dense.positions;
   const cloud::GeodesicGraph graph =
@@ -118,13 +120,21 @@ Points findNeighbors(const SceneParams& scene, RestSurface& s) {
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(s.dense_neighbors));
   s.dense_neighbors = std::move(found.lists);
   noteGaps(found, s);
-  return is_given || found.num_refused > 0 ? Points{} : std::move(sides.normals);
+  std::vector<char> are_nearest(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) are_nearest[i] = !found.is_changed[i];
+  if (is_given) return {{}, std::move(are_nearest)};
+  if (found.num_refused > 0) {
+    // The others have been estimated from the same lists.
+    for (std::size_t i = 0; i < positions.size(); ++i) is_own[i] = is_own[i] || found.is_changed[i];
+    cloud::estimateNormals(positions, s.dense_neighbors, is_own, sides.normals);
+  }
+  return {std::move(sides.normals), std::move(are_nearest)};
 }
 
-Points findBodyNeighbors(const SceneParams& params, RestSurface& s) {
+FoundNeighbors findBodyNeighbors(const SceneParams& params, RestSurface& s) {
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
   keepNearOverBody(params.neighbors, s.dense.positions, s.dense_neighbors, s);
-  return Points(s.dense.positions.size(), Vec3::Zero());
+  return {Points(s.dense.positions.size(), Vec3::Zero()), {}};
 }
 
 void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSurface& s) {

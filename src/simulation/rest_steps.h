@@ -9,13 +9,18 @@
 
 namespace deformable_surface::simulation {
 
-/// Finds s.dense_neighbors, and returns normals of the dense points, or none if they have to be estimated from these.
-using FindNeighbors = std::function<Points(const SceneParams& params, RestSurface& s)>;
+/// What is known of the neighbours of the dense points, RestSurface::dense_neighbors.
+struct FoundNeighbors {
+  Points normals;                 // (dense) that these give; empty: not estimated yet
+  std::vector<char> are_nearest;  // (dense) lists that hold the nearest in space; empty: not known
+};
+/// Finds s.dense_neighbors.
+using FindNeighbors = std::function<FoundNeighbors(const SceneParams& params, RestSurface& s)>;
 /// The 2k neighbours of the dense points: in space, or along the surface. The normals used are the given ones, else those of the
-/// neighbours in space. These are returned if the neighbours along the surface give the same, else none.
-Points findNeighbors(const SceneParams& params, RestSurface& s);
+/// neighbours in space.
+FoundNeighbors findNeighbors(const SceneParams& params, RestSurface& s);
 /// The same in space, or over a body. The normals are zero; every link counts as flat to them.
-Points findBodyNeighbors(const SceneParams& params, RestSurface& s);
+FoundNeighbors findBodyNeighbors(const SceneParams& params, RestSurface& s);
 
 /// Removes the parts that input.largest_parts and input.unconstrained_parts do not keep from the dense points.
 void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSurface& s);

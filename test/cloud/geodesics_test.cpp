@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <fstream>
@@ -344,6 +345,23 @@ TEST(Geodesics, ListsAtAGapAreFilledFromTheirOwnSide) {
   }
   EXPECT_EQ(across, 0);
   EXPECT_GT(kept.num_refused, 0);
+}
+
+TEST(Geodesics, ListsThatDoNotChangeAreTold) {
+  const Gapped bars = makeTwoBars(2.0, 0.1);
+  const Lists links = nearestNeighbors(bars.positions, kListed);
+  const SurfaceSides sides{bars.normals, false};
+  const GeodesicNeighbors kept =
+      keepGeodesicNeighbors(buildGeodesicGraph(bars.positions, sides, links, {}), bars.positions, sides, links);
+  ASSERT_EQ(kept.lists.size(), static_cast<Index>(kept.is_changed.size()));
+  Index num_other = 0;
+  for (Index i = 0; i < kept.lists.size(); ++i) {
+    const bool is_same = std::equal(links.begin(i), links.end(i), kept.lists.begin(i), kept.lists.end(i));
+    num_other += !is_same;
+    EXPECT_TRUE(is_same || kept.is_changed[i]) << i;
+  }
+  EXPECT_GT(num_other, 0);
+  EXPECT_LT(std::count(kept.is_changed.begin(), kept.is_changed.end(), 1), kept.lists.size());
 }
 
 TEST(Geodesics, MarginGrowsWithTheGap) {

@@ -160,6 +160,24 @@ TEST(EstimateNormalsInSpace, AreThoseOfEachLayer) {
   EXPECT_LT(tilted_before, 0.1);  // 84 degrees
 }
 
+// The sides of a simulation are found once: only lists that change later need other normals.
+TEST(EstimateNormalsInSpace, TellWhichComeFromAPartOfTheNeighboursAlone) {
+  const Shape shape = makeLayers(3.5, 0.15, 1);
+  const Lists neighbors = nearestNeighbors(shape.positions, 32);
+  const NormalsInSpace found = estimateNormalsInSpace(shape.positions, neighbors);
+  const Points all = estimateNormals(shape.positions, neighbors);
+  ASSERT_EQ(shape.positions.size(), found.is_own.size());
+  const auto num_own = std::count(found.is_own.begin(), found.is_own.end(), 1);
+  EXPECT_GT(num_own, 0);
+  EXPECT_LT(num_own, static_cast<std::ptrdiff_t>(all.size()));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!found.is_own[i]) EXPECT_EQ(all[i], found.normals[i]) << i;
+  }
+  Points completed = found.normals;
+  estimateNormals(shape.positions, neighbors, found.is_own, completed);
+  EXPECT_EQ(all, completed);
+}
+
 // Two half planes of 10 x 12 points at a right angle; the crease is a quarter of a spacing from a row. At it, the plane of all
 // neighbours is neither.
 TEST(EstimateNormalsInSpace, TellTheSidesOfACrease) {

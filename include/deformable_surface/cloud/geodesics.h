@@ -66,9 +66,10 @@ std::vector<double> geodesicWeights(const GeodesicGraph& graph, const Points& po
 
 /// Neighbours along the surface, and how clearly they were told from other points.
 struct GeodesicNeighbors {
-  Lists lists;            // (n) nearest first, by Euclidean distance; as many as before if the surface has as many
-  Index num_refused = 0;  // listed pairs that are close in space only
-  Index num_at_gaps = 0;  // points at gaps that see the other side themselves
+  Lists lists;                   // (n) nearest first, by Euclidean distance; as many as before if the surface has as many
+  std::vector<char> is_changed;  // (n) false: the list is as it was
+  Index num_refused = 0;         // listed pairs that are close in space only
+  Index num_at_gaps = 0;         // points at gaps that see the other side themselves
   /// Length over trust radius of the nearest neighbour there, at the twentieth such point, shortest first. At 1 the
   /// narrowest gap would be bridged. Infinite where there are no such points, and with a given exponent.
   double margin = kNoLimit;

@@ -8,11 +8,14 @@ namespace deformable_surface::cloud {
 /// Unit normals of least variance among each point and its neighbours [Su 2007, sec. 3; Pauly 2002]: (n x 3), sign arbitrary.
 /// Where the neighbourhood has no plane (collinear, coincident) the normal is some unit vector perpendicular to its line.
 Points estimateNormals(const Points& positions, const Lists& neighbors);
+/// The same for the marked points alone: the others keep theirs. is_marked: (n).
+void estimateNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_marked, Points& normals);
 
 /// Unit normals of a surface beside which may be others, and which may have creases. Signs are arbitrary.
 struct NormalsInSpace {
-  Points normals;     // (n x 3)
-  Points at_creases;  // (n x 3) the same, but that of one side where a crease is near; empty: the same everywhere
+  Points normals;            // (n x 3)
+  std::vector<char> is_own;  // (n) from a part of the neighbours alone; else as estimateNormals() has it
+  Points at_creases;         // (n x 3) the same, but that of one side where a crease is near; empty: the same everywhere
 };
 
 /// Of least variance for lists of neighbours in space, which may hold points of other layers. In a thick neighbourhood only those

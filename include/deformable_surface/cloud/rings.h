@@ -30,7 +30,9 @@ struct Rings {
 Rings buildRings(const Points& positions, const Points& normals, const Lists& neighbors);
 
 /// The area of the surface, m^2, without making rings. Holes below 5 spacings in radius count in part. neighbors: as above.
-double measureArea(const Points& positions, const Points& normals, const Lists& neighbors);
+/// are_nearest: (n) true for lists that are known to hold the nearest points in space, or empty. It saves time alone.
+double measureArea(const Points& positions, const Points& normals, const Lists& neighbors,
+                   const std::vector<char>& are_nearest = {});
 
 /// The boundary points of a surface: an angular gap wider than kBoundaryGap among the projected k and again 2k nearest
 /// neighbours, and at least two neighbours with such a gap. is_corner marks those where the boundary turns by more than 45

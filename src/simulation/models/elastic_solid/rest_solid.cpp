@@ -245,7 +245,7 @@ RestSurface prepareSolid(const SceneParams& params, const cloud::PointCloud& inp
   if (params.elastic_solid.fill) {
     const std::optional<Vec3> viewpoint = moveOntoSurface(params.input, input, s);
     leaveOutParts(params, findNeighbors, s);
-    Points estimated = findNeighbors(params, s);
+    Points estimated = findNeighbors(params, s).normals;
     completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
     buildFilledSolid(params, s);
   } else {

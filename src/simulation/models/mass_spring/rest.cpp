@@ -197,11 +197,11 @@ RestSurface prepareMassSpring(const SceneParams& params, const cloud::PointCloud
   std::optional<HalfFrame> half;
   if (!to_choose && viewpoint) half = halveFrame(params, s);
   RestSurface& seen = half ? half->surface : s;
-  Points estimated = half ? Points{} : findNeighbors(params, s);
-  cloud::Boundary boundary = completeNormals(viewpoint, params.neighbors.k, std::move(estimated), seen);
+  FoundNeighbors found = half ? FoundNeighbors{} : findNeighbors(params, s);
+  cloud::Boundary boundary = completeNormals(viewpoint, params.neighbors.k, std::move(found.normals), seen);
   std::vector<Index> kept = chooseSimulationPoints(params, chooseHeldPoints(params, seen.dense.positions), boundary, coarsest,
                                                    seen, half ? kOneByOneOfHalf : cloud::kOneByOne);
-  s.area = cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors);
+  s.area = cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors, found.are_nearest);
   if (half) takeHalf(*viewpoint, std::move(*half), kept, s);
   noteLeftOut(s);
   if (to_choose) return s;

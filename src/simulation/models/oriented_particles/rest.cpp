@@ -278,10 +278,10 @@ RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud&
   const bool is_curve = params.oriented_particles.mode == model::ParticleMode::kPlane;
   const std::optional<Vec3> viewpoint = is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
   leaveOutParts(params, findNeighbors, s);
-  Points estimated = findNeighbors(params, s);
+  FoundNeighbors found = findNeighbors(params, s);
   const bool are_samples = params.oriented_particles.grow_surface && s.dense.normals.empty() && !is_curve;
   cloud::Boundary boundary =
-      is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
+      is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(found.normals), s);
   if (are_samples && !areSmooth(s.dense.positions, s.dense.normals)) {
     s.dense.normals.clear();
     s.notes.pop_back();  // the side of the normals, which is now told anew
@@ -290,7 +290,7 @@ RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud&
   std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
   noteLeftOut(s);
   if (to_choose)
-    s.area = cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors);
+    s.area = cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, found.are_nearest);
   else
     takeSimulationPoints(params, std::move(kept), s);
   return s;
