@@ -13,7 +13,10 @@ namespace {
 constexpr double kOfRoom = 0.9;
 constexpr double kAhead = 8.0;       // calls of limit() for which the motion of the present one is predicted
 constexpr Index kMostFailures = 4;   // after each, proofs are tried half as often
-constexpr int kCollisions = 8;       // passes
+constexpr int kRounds = 4;           // of passes: the first over all pairs, the others over those that push
+constexpr int kColdRounds = 16;      // if nothing is known of the sub-step before
+constexpr int kPasses = 8;           // of a round
+constexpr double kSettled = 1e-3;    // of the farthest motion: smaller changes of ways are no reason for another pass
 constexpr double kRounding = 1e-15;  // m
 constexpr double kOutrun = 32.0;     // of the usual reach, ten edges or so: beyond it collisions are not worth it
 
@@ -90,35 +93,69 @@ SelfContact::Worst SelfContact::findWorst(const Approach& approach) const {
 
 // Exchanges momentum between the points of pairs that would use more than their room, one pair after the other, until none does.
 // Momentum pushes but never pulls: what an earlier exchange has pushed farther than later ones leave necessary is taken back
-// (projected Gauss-Seidel). Otherwise layers that press on each other would be driven apart, and gain energy.
-void SelfContact::collide() {
-  for (int pass = 0; pass < kCollisions; ++pass) {
-    bool is_done = true;
-    for (Approach& approach : approaches_) is_done = !collide(approach) && is_done;
-    if (is_done) return;
+// (projected Gauss-Seidel). Otherwise layers that press on each other would be driven apart, and gain energy. The passes begin
+// with what was exchanged in the sub-step before: a jam bears nearly the same forces again. The first sub-step of Verlet bears
+// half.
+void SelfContact::collide(bool continues, double settled) {
+  exchangeAgain();
+  const int rounds = last_exchanges_.empty() ? kColdRounds : kRounds;
+  bool is_done = false;
+  for (int round = 0; round < rounds && !is_done; ++round) {
+    is_done = true;
+    pushing_.clear();
+    for (Approach& approach : approaches_) {
+      is_done = !collide(approach, settled) && is_done;
+      if (approach.pushes()) pushing_.push_back(&approach);
+    }
+    bool is_settled = is_done;
+    for (int pass = 1; pass < kPasses && !is_settled; ++pass) {
+      is_settled = true;
+      for (Approach* approach : pushing_) is_settled = !collide(*approach, settled) && is_settled;
+    }
+  }
+  for (const Approach* approach : pushing_) {
+    exchanges_.push_back({approach->vertices, approach->num_first, approach->pushed});
+    if (!continues)
+      for (double& momentum : exchanges_.back().pushed) momentum *= 2.0;
+  }
+  std::sort(exchanges_.begin(), exchanges_.end());
+}
+
+void SelfContact::exchangeAgain() {
+  if (last_exchanges_.empty()) return;
+  for (Approach& approach : approaches_) {
+    const auto at =
+        std::lower_bound(last_exchanges_.begin(), last_exchanges_.end(), Exchange{approach.vertices, approach.num_first, {}});
+    if (at == last_exchanges_.end() || at->num_first != approach.num_first || at->vertices != approach.vertices) continue;
+    for (int v = 0, k = 0; v < approach.num_first; ++v)
+      for (int w = approach.num_first; w < 4; ++w, ++k) exchange(approach, v, w, approach.pushed[k], at->pushed[k]);
   }
 }
 
-bool SelfContact::collide(Approach& approach) {
+void SelfContact::exchange(const Approach& approach, int v, int w, double& pushed, double momentum) {
+  const Index first = approach.vertices[v], second = approach.vertices[w];
+  pushed += momentum;
+  ways_[first] += mobility_[first] * momentum * approach.normal;
+  ways_[second] -= mobility_[second] * momentum * approach.normal;
+  is_cut_[first] = is_cut_[second] = 1;
+}
+
+bool SelfContact::collide(Approach& approach, double settled) {
   std::array<double, 4> nearing;  // m, of each point towards the other primitive, beyond the closest point of its own
   for (int v = 0; v < 4; ++v)
     nearing[v] = (v < approach.num_first ? -1.0 : 1.0) * approach.normal.dot(ways_[approach.vertices[v]]) - approach.behind[v];
   bool any = false;
   for (int v = 0, k = 0; v < approach.num_first; ++v)
     for (int w = approach.num_first; w < 4; ++w, ++k) {
-      const double excess = nearing[v] + nearing[w] - approach.room;
-      const Index first = approach.vertices[v], second = approach.vertices[w];
-      const double mobility = mobility_[first] + mobility_[second];
-      if (!(mobility > 0.0) || !(excess > 0.0 || approach.pushed[k] > 0.0)) continue;
-      any = any || excess > 0.0;
+      const double excess = nearing[v] + nearing[w] - approach.room, first = mobility_[approach.vertices[v]],
+                   second = mobility_[approach.vertices[w]];
+      if (!(first + second > 0.0) || !(excess > 0.0 || approach.pushed[k] > 0.0)) continue;
       // A little more than needed, so that the iteration ends.
-      const double momentum = std::max((excess + (1.0 - kOfRoom) * approach.room) / mobility, -approach.pushed[k]);
-      approach.pushed[k] += momentum;
-      ways_[first] += mobility_[first] * momentum * approach.normal;
-      ways_[second] -= mobility_[second] * momentum * approach.normal;
-      nearing[v] -= mobility_[first] * momentum;
-      nearing[w] -= mobility_[second] * momentum;
-      is_cut_[first] = is_cut_[second] = 1;
+      const double momentum = std::max((excess + (1.0 - kOfRoom) * approach.room) / (first + second), -approach.pushed[k]);
+      any = any || excess > 0.0 || -momentum * (first + second) > settled;
+      exchange(approach, v, w, approach.pushed[k], momentum);
+      nearing[v] -= first * momentum;
+      nearing[w] -= second * momentum;
     }
   return any;
 }
@@ -212,6 +249,9 @@ bool SelfContact::mustStop(const Points& before, const Points& after, bool conti
 const std::vector<Index>& SelfContact::limit(const Points& before, Points& after, bool continues) {
   const Index n = static_cast<Index>(before.size());
   cut_.clear();
+  last_exchanges_.swap(exchanges_);
+  exchanges_.clear();
+  if (!continues) last_exchanges_.clear();
   if (!mustStop(before, after, continues)) return cut_;
   // Common motion brings no parts nearer.
   Vec3 shared = Vec3::Zero();
@@ -241,7 +281,7 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
   is_cut_.assign(n, 0);
   mobility_.resize(n);
   for (Index i = 0; i < n; ++i) mobility_[i] = after[i] == before[i] ? 0.0 : 1.0 / masses_[i];
-  collide();
+  collide(continues, kSettled * std::sqrt(farthest));
   // Pairs outside this list stay apart if no point moves farther than the farthest one before the change.
   for (Vec3& way : ways_)
     if (way.squaredNorm() > farthest) way *= std::sqrt(farthest / way.squaredNorm());

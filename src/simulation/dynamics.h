@@ -219,6 +219,7 @@ class Dynamics {
   solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
   void settleContact(double now, solve::TimeMarch::Outcome& taken);
   std::string describeStopped();
+  std::string describeHalt(const solve::SolveReport& report);
   std::string describeGrazing(double now);
   std::string endUntangling(double dt);
   static void refuse(const std::string& why, Outcome& outcome);
@@ -290,7 +291,7 @@ class Dynamics {
   Index last_substeps_ = 0;
   LooseParts loose_;  // of static steps
   // Since the last reset:
-  bool has_reported_stopped_ = false, has_reported_grazing_ = false;
+  bool has_reported_stopped_ = false, has_reported_grazing_ = false, has_reported_halt_ = false;
   std::string why_no_self_contact_;
   bool has_told_compliance_ = false;
   UntanglingProgress untangling_;

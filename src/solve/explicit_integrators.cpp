@@ -284,7 +284,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       state.positions[c.point] = Eigen::Map<const Vec3>(from + 3 * c.point) + dt * c.velocity;
       predicted_.velocities[c.point] = c.velocity;
     }
-    if (limit) stopped = &limitMotion(system, *limit, dt, s == 0, force, state);
+    if (limit) stopped = &limitMotion(system, *limit, dt, half_decay, s == 0, force, state);
     // Forces at the new place.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
@@ -306,6 +306,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   }
   kick(3 * n, half_decay, kick_.data(), (has_slow ? forces_with_slow_ : forces_).data()->data(), velocity);
   if (stopped && !stopped->empty()) bearLastKick(system, dt, *stopped, has_slow ? forces_with_slow_ : forces_, state);
+  if (!removeStoppingWork(system, state)) report.halted = report.substeps;
   for (const Carried& c : carried_) state.velocities[c.point] = c.velocity;
   report.carrying_work = carrying_work_;
   state.friction.swap(predicted_.friction);
@@ -322,18 +323,20 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
 // Verlet keeps its energy because the work of a force over two drifts, with velocities u and u', is that of its kick between
 // them: F dt (u + u') / 2. So J does the work J (u + u') / 2. Though a collision loses kinetic energy against v, this work is
 // positive where the kick has reversed the motion: u then points along J. The first drift of a step follows a state whose energy
-// is counted at its own velocity v0: there the work is J u' - m |u' - v0|^2 / 2, never positive without held points.
-const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, const MotionLimit& limit, double dt, bool is_first,
-                                                      const double* force, State& state) {
+// is counted at its own velocity v0: there the work is J u' - m |u' - v0|^2 / 2, never positive without held points. u and v0 are
+// the velocities before damping: damping acts between the halves of a kick, where the velocity in a jam is far from any motion.
+const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, const MotionLimit& limit, double dt,
+                                                      double half_decay, bool is_first, const double* force, State& state) {
   const std::vector<Index>& stopped = limit.limit(before_, state.positions, !is_first);
   if (stopped.empty()) return stopped;
   double work = 0.0;
   for (const Index i : stopped) {
     if (system.isHeld(i)) continue;
     const Vec3 wanted = state.velocities[i], now = (state.positions[i] - before_[i]) / dt,
-               kick = kick_[3 * i] * Eigen::Map<const Vec3>(force + 3 * i);
-    work += system.masses()[i] * (is_first ? now.dot(now - wanted) - 0.5 * (now - wanted + kick).squaredNorm()
-                                           : 0.5 * (now - wanted).dot(now + wanted - 2.0 * kick));
+               kick = kick_[3 * i] * Eigen::Map<const Vec3>(force + 3 * i), damped = (wanted - kick) / half_decay,
+               last = is_first ? damped : Vec3(damped / half_decay - kick);
+    work += system.masses()[i] *
+            (is_first ? now.dot(now - wanted) - 0.5 * (now - last).squaredNorm() : 0.5 * (now - wanted).dot(now + last));
     state.velocities[i] = now;
   }
   // What carries held points makes up for the momentum that they give.
@@ -344,16 +347,16 @@ const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, cons
   }
   carrying_work_ += carried;
   stopping_work_ += work - carried;
-  removeStoppingWork(system, state);
   for (const Index i : stopped)
     if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
   return stopped;
 }
 
-// Takes the energy that stopping has made since the step began from the motion relative to the mean, which keeps momentum. Places
-// stay as they are.
-void VelocityVerlet::removeStoppingWork(const System& system, State& state) {
-  if (!(stopping_work_ > 0.0)) return;
+// Takes the energy that stopping has made in the step from the motion relative to the mean, which keeps momentum. Places stay as
+// they are. Not in each sub-step: in a jam parts move to and fro by a little, and each way back returns what the way out has
+// taken. The surface would halt though nothing had been made.
+bool VelocityVerlet::removeStoppingWork(const System& system, State& state) {
+  if (!(stopping_work_ > 0.0)) return true;
   Vec3 mean = Vec3::Zero();
   double mass = 0.0, energy = 0.0;
   for (Index i = 0; i < state.size(); ++i) {
@@ -367,7 +370,7 @@ void VelocityVerlet::removeStoppingWork(const System& system, State& state) {
   const double scale = energy > stopping_work_ ? std::sqrt(1.0 - stopping_work_ / energy) : 0.0;
   for (Index i = 0; i < state.size(); ++i)
     if (!system.isHeld(i)) state.velocities[i] = mean + scale * (state.velocities[i] - mean);
-  stopping_work_ = std::max(0.0, stopping_work_ - energy);
+  return scale > 0.0;
 }
 
 // What stops a point at the end of a step also bears the force on it: the last half kick would give it a wrong velocity.
@@ -377,7 +380,6 @@ void VelocityVerlet::bearLastKick(const System& system, double dt, const std::ve
     state.velocities[i] = (state.positions[i] - before_[i]) / dt;
     stopping_work_ -= system.masses()[i] * kick_[3 * i] * forces[i].dot(state.velocities[i]);  // no kick on held points
   }
-  removeStoppingWork(system, state);
 }
 
 }  // namespace deformable_surface::solve

@@ -47,9 +47,10 @@ class VelocityVerlet : public Integrator {
   void addLoads(const System& system, double time, const State& state);
   void bearSlow(const Points& positions);
   void addSlow(Index inner);
-  const std::vector<Index>& limitMotion(const System& system, const MotionLimit& limit, double dt, bool is_first,
-                                        const double* force, State& state);
-  void removeStoppingWork(const System& system, State& state);
+  const std::vector<Index>& limitMotion(const System& system, const MotionLimit& limit, double dt, double half_decay,
+                                        bool is_first, const double* force, State& state);
+  /// Returns whether there was enough to take it from.
+  bool removeStoppingWork(const System& system, State& state);
   void bearLastKick(const System& system, double dt, const std::vector<Index>& stopped, const Points& forces, State& state);
 
   double max_slow_step_ = 0.0;
@@ -65,7 +66,7 @@ class VelocityVerlet : public Integrator {
   };
   std::vector<Carried> carried_;      // held points in motion
   double carrying_work_ = 0.0;        // J, of what carries them in the step
-  double stopping_work_ = 0.0;        // J, done in the step by limits of motion and not yet removed; negative: taken
+  double stopping_work_ = 0.0;        // J, done in the step by limits of motion; negative: taken
   Points before_;                     // m, at the beginning of a sub-step, where motion is limited
   std::vector<double> kick_, drift_;  // (3 n) dt / 2 over mass, and dt; zero on held points
   std::vector<double> mass_;          // (3 n) kg, zero on held points; empty without damping

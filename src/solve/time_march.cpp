@@ -39,6 +39,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.finite = part.finite;
   total.converged = total.converged && part.converged;
   total.substeps += part.substeps;
+  total.halted += part.halted;
   total.iterations += part.iterations;
   total.is_quasi_newton = part.is_quasi_newton;
   total.residual = std::max(total.residual, part.residual);

@@ -142,7 +142,19 @@ class SelfContact {
     Vec3 normal;                   // unit, from the second primitive to the first
     std::array<double, 4> behind;  // m, distance of each point behind the closest point of its primitive
     double room;                   // m, by which the two primitives together may approach
-    std::array<double, 4> pushed;  // kg m, in a step, between each point of the first primitive and each of the second
+    std::array<double, 4> pushed;  // kg m, in a sub-step, between each point of the first primitive and each of the second
+
+    bool pushes() const { return pushed != std::array<double, 4>{}; }
+  };
+  // What a pair has exchanged in the last sub-step.
+  struct Exchange {
+    std::array<Index, 4> vertices;
+    int num_first;
+    std::array<double, 4> pushed;  // kg m, as in Approach
+
+    bool operator<(const Exchange& other) const {
+      return num_first != other.num_first ? num_first < other.num_first : vertices < other.vertices;
+    }
   };
   // The point of each primitive that moves farthest towards the other one.
   struct Worst {
@@ -193,9 +205,13 @@ class SelfContact {
   void addTurning(const Near& near, const Points& positions, Points& forces) const;
   Approach makeApproach(const Near& near, const Points& before) const;
   Worst findWorst(const Approach& approach) const;
-  void collide();
-  /// Of one pair. Returns whether it would have used more than its room.
-  bool collide(Approach& approach);
+  /// continues: as in limit(). settled: m, smaller changes are no reason for another pass.
+  void collide(bool continues, double settled);
+  /// Of one pair. Returns whether it would have used more than its room, or much less than it was pushed for.
+  bool collide(Approach& approach, double settled);
+  /// Between a point of the first primitive and one of the second.
+  void exchange(const Approach& approach, int v, int w, double& pushed, double momentum);
+  void exchangeAgain();
   void stopTogether();
   void moveAsOne(const Points& before, bool does_one_stay, Points& after);
 
@@ -216,9 +232,11 @@ class SelfContact {
   Points ways_;                   // m, without the common motion
   std::vector<double> mobility_;  // 1/kg, zero for fixed points
   std::vector<Approach> approaches_;
-  Points zone_motion_;             // kg m
-  std::vector<double> zone_mass_;  // kg; infinite: fixed
-  std::vector<Index> zone_;        // by point: another point of its zone, or itself
+  std::vector<Approach*> pushing_;
+  std::vector<Exchange> exchanges_, last_exchanges_;  // of this call of limit() and the one before, in order
+  Points zone_motion_;                                // kg m
+  std::vector<double> zone_mass_;                     // kg; infinite: fixed
+  std::vector<Index> zone_;                           // by point: another point of its zone, or itself
   std::vector<char> is_cut_;
   std::vector<Index> cut_;
   std::vector<PairAnchor> next_;
