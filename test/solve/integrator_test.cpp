@@ -350,5 +350,37 @@ TEST(VelocityVerlet, TellsWhatDampingTookOut) {
   }
 }
 
+// Keeps the first two points at their distance; they also move along x by a given way, to and fro in turn.
+class Clamp : public solve::MotionLimit {
+ public:
+  explicit Clamp(double way = 0.0) : way_(way) {}
+  const std::vector<Index>& limit(const Points& before, Points& after, bool) const override {
+    const Vec3 mean = 0.5 * (after[0] - before[0] + after[1] - before[1]), aside = (++calls_ % 2 ? way_ : -way_) * Vec3::UnitX();
+    after[0] = before[0] + mean + aside;
+    after[1] = before[1] + mean - aside;
+    return clamped_;
+  }
+
+ private:
+  const double way_;
+  const std::vector<Index> clamped_{0, 1};
+  mutable int calls_ = 0;
+};
+
+// The speed, at the end, of a point that flies freely at 1 m/s beside two that springs press together.
+double flyBesideAClamp(double damping, const Clamp& clamp) {
+  World world({1e6, 1e6, 0.0}, 1.0, 0.0, damping);
+  world.system.setMotionLimit(&clamp);
+  State state{{Vec3::UnitX(), -Vec3::UnitX(), Vec3::Zero()}, {Vec3::Zero(), Vec3::Zero(), Vec3::UnitZ()}};
+  solve::makeIntegrator(IntegratorType::kVerlet, {})->advance(world.system, 0.0, 0.01, 0.001, state);
+  return state.velocities[2].z();
+}
+
+TEST(VelocityVerlet, DampingMakesNoWorkOfLimitsThatWouldHaltOtherPoints) {
+  EXPECT_NEAR(flyBesideAClamp(2.0, Clamp()), std::exp(-2.0 * 0.01), 1e-9);
+}
+
+TEST(VelocityVerlet, LimitsThatMovePointsToAndFroHaltNoOtherPoints) { EXPECT_NEAR(flyBesideAClamp(0.0, Clamp(1e-6)), 1.0, 1e-5); }
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -111,7 +111,7 @@ class SelfContact {
   /// Parts that would come too near collide inelastically. Where that does not suffice, they move on together. Both dissipate
   /// energy and conserve momentum. Points that do not move stay, and stop the parts that would move on with them. Returns the
   /// points whose paths were changed, ascending; valid until the next call. What Clearance proves not to cross is not changed.
-  /// continues: `before` is where the last call ended, which saves a check.
+  /// continues: `before` is where the last call ended, which saves a check, and collisions begin with those of that call.
   const std::vector<Index>& limit(const Points& before, Points& after, bool continues = false);
 
   /// Number of pairs nearer than their thickness, and their forces. anchors: as in addFriction().
