@@ -171,7 +171,8 @@ TEST(EstimateNormalsInSpace, TellWhichComeFromAPartOfTheNeighboursAlone) {
   EXPECT_GT(num_own, 0);
   EXPECT_LT(num_own, static_cast<std::ptrdiff_t>(all.size()));
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!found.is_own[i]) EXPECT_EQ(all[i], found.normals[i]) << i;
+    if (found.is_own[i]) continue;
+    EXPECT_EQ(all[i], found.normals[i]) << i;
   }
   Points completed = found.normals;
   estimateNormals(shape.positions, neighbors, found.is_own, completed);
