@@ -20,6 +20,8 @@ class PartMotionLimit : public solve::MotionLimit {
   /// nothing comes near if that is not known already. Returns whether it is now.
   bool foresee(const model::State& whole, double time);
   const std::vector<Index>& limit(const Points& before, Points& after, bool continues) const override;
+  /// Nothing is ever stopped.
+  const std::vector<Index>& parts() const override { return none_; }
   bool hasLeft() const { return has_left_; }
 
  private:

@@ -1,5 +1,6 @@
 #include "self_contact_load.h"
 
+#include "deformable_surface/cloud/links.h"
 #include "deformable_surface/simulation/model_kind.h"
 
 #include <cmath>
@@ -117,9 +118,26 @@ double findContactThickness(const SceneParams& params, const RestSurface& rest) 
   return kOfSpacing * std::sqrt(rest.area / static_cast<double>(rest.points.size()));
 }
 
+namespace {
+
+// The parts that the whole triangles connect.
+std::vector<Index> labelParts(Index n, const std::vector<contact::Triangle>& triangles, const std::vector<char>& is_whole) {
+  std::vector<std::pair<Index, Index>> links;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (!is_whole[t]) continue;
+    links.emplace_back(triangles[t][0], triangles[t][1]);
+    links.emplace_back(triangles[t][0], triangles[t][2]);
+  }
+  Index num_parts = 0;
+  return cloud::labelComponents(n, links, num_parts);
+}
+
+}  // namespace
+
 SelfContactLoads::SelfContactLoads(const Points& rest, std::shared_ptr<const ContactSkin> skin, const std::vector<double>& masses,
                                    const contact::SelfContactParams& params)
     : contact(rest, skin->triangles, masses, params),
+      limit(contact, labelParts(static_cast<Index>(rest.size()), skin->triangles, std::vector<char>(skin->triangles.size(), 1))),
       skin_(std::move(skin)),
       is_whole_(skin_->triangles.size(), 1),
       rubs_(params.friction > 0.0) {}
@@ -135,6 +153,7 @@ void SelfContactLoads::followTriangles(const std::vector<model::WeightedTriangle
   if (is_whole == is_whole_) return;
   is_whole_ = std::move(is_whole);
   contact.keepWhole(is_whole_);
+  limit.setParts(labelParts(static_cast<Index>(limit.parts().size()), skin_->triangles, is_whole_));
 }
 
 void SelfContactLoads::setMemory(const Memory& memory) {

@@ -122,7 +122,7 @@ class Untangling : public solve::ExternalLoad {
 
 class SelfContactLimit : public solve::MotionLimit {
  public:
-  explicit SelfContactLimit(contact::SelfContact& contact) : contact_(contact) {}
+  SelfContactLimit(contact::SelfContact& contact, std::vector<Index> parts) : contact_(contact), parts_(std::move(parts)) {}
 
   const std::vector<Index>& limit(const Points& before, Points& after, bool continues) const override {
     const std::vector<Index>& stopped = contact_.limit(before, after, continues);
@@ -130,12 +130,15 @@ class SelfContactLimit : public solve::MotionLimit {
     for (const Index i : stopped) stopped_[i] = 1;
     return stopped;
   }
+  const std::vector<Index>& parts() const override { return parts_; }
+  void setParts(std::vector<Index> parts) { parts_ = std::move(parts); }
   /// Number of points stopped since the last forgetStopped().
   Index numStopped() const { return std::count(stopped_.begin(), stopped_.end(), char{1}); }
   void forgetStopped() { std::fill(stopped_.begin(), stopped_.end(), char{0}); }
 
  private:
   contact::SelfContact& contact_;
+  std::vector<Index> parts_;           // (n)
   mutable std::vector<char> stopped_;  // (n)
 };
 
@@ -176,7 +179,7 @@ class SelfContactLoads {
   const SelfContactDamping damping{contact};
   const SelfFriction friction{contact};
   const Untangling untangling{contact};
-  SelfContactLimit limit{contact};
+  SelfContactLimit limit;
 
  private:
   const std::shared_ptr<const ContactSkin> skin_;

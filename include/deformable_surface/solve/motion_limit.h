@@ -15,6 +15,9 @@ class MotionLimit {
   /// part of the shortened motion is admissible, too. continues: `before` is where the last call ended. Returns the stopped
   /// points, ascending; valid until the next call.
   virtual const std::vector<Index>& limit(const Points& before, Points& after, bool continues) const = 0;
+  /// (n) of each point: the number, below n, of the connected part to which it belongs. Parts without stopped points bear nothing
+  /// of what stopping does to energy.
+  virtual const std::vector<Index>& parts() const = 0;
 };
 
 }  // namespace deformable_surface::solve
