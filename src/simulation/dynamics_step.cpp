@@ -239,7 +239,7 @@ std::string Dynamics::describeStopped() {
 // Reported once until the next reset.
 std::string Dynamics::describeHalt(const solve::SolveReport& report) {
   if (!(report.halted > kHaltedShare * report.substeps) || std::exchange(has_reported_halt_, true)) return "";
-  return "parts of the surface press on each other so hard that keeping them from crossing took all motion of the surface in " +
+  return "parts of the surface press on each other so hard that keeping them from crossing took all motion within them in " +
          std::to_string(report.halted) + " of " + std::to_string(report.substeps) +
          " sub-steps of this step; accepted: weaker grips, slower tools and pins";
 }
