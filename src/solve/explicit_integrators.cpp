@@ -368,6 +368,7 @@ bool VelocityVerlet::removeStoppingWork(const System& system, State& state) {
     mean += system.masses()[i] * state.velocities[i];
     mass += system.masses()[i];
   }
+  if (!(mass > 0.0)) return true;  // held points alone were stopped
   mean /= mass;
   for (Index i = 0; i < state.size(); ++i)
     if (bears(i)) energy += 0.5 * system.masses()[i] * (state.velocities[i] - mean).squaredNorm();

@@ -330,12 +330,24 @@ TEST(Geodesics, AFewPointsInASparseSpotOfADenseSheetAreNoGap) {
   EXPECT_EQ(kept.margin, kNoLimit);
 }
 
-TEST(Geodesics, ListsAtAGapAreFilledFromTheirOwnSide) {
-  const Gapped bars = makeTwoBars(2.0, 0.1);
-  const Lists links = nearestNeighbors(bars.positions, kListed);
+// Two bars beside each other, their neighbours in space and over the surface.
+struct KeptBars {
+  Gapped bars;
+  Lists links;
+  GeodesicNeighbors kept;
+};
+
+KeptBars keepTwoBars() {
+  Gapped bars = makeTwoBars(2.0, 0.1);
+  Lists links = nearestNeighbors(bars.positions, kListed);
   const SurfaceSides sides{bars.normals, false};
-  const GeodesicNeighbors kept =
+  GeodesicNeighbors kept =
       keepGeodesicNeighbors(buildGeodesicGraph(bars.positions, sides, links, {}), bars.positions, sides, links);
+  return {std::move(bars), std::move(links), std::move(kept)};
+}
+
+TEST(Geodesics, ListsAtAGapAreFilledFromTheirOwnSide) {
+  const auto [bars, links, kept] = keepTwoBars();
   Index across = 0;
   for (Index i = 0; i < kept.lists.size(); ++i) {
     EXPECT_EQ(kept.lists.count(i), kListed);
@@ -348,11 +360,7 @@ TEST(Geodesics, ListsAtAGapAreFilledFromTheirOwnSide) {
 }
 
 TEST(Geodesics, ListsThatDoNotChangeAreTold) {
-  const Gapped bars = makeTwoBars(2.0, 0.1);
-  const Lists links = nearestNeighbors(bars.positions, kListed);
-  const SurfaceSides sides{bars.normals, false};
-  const GeodesicNeighbors kept =
-      keepGeodesicNeighbors(buildGeodesicGraph(bars.positions, sides, links, {}), bars.positions, sides, links);
+  const auto [bars, links, kept] = keepTwoBars();
   ASSERT_EQ(kept.lists.size(), static_cast<Index>(kept.is_changed.size()));
   Index num_other = 0;
   for (Index i = 0; i < kept.lists.size(); ++i) {
