@@ -12,6 +12,7 @@ namespace {
 
 struct End {
   Vec3 p, n;
+  double value;
 };
 
 // The control point of an edge that is nearer to a: a third of the way to b, in the tangent plane of a.
@@ -29,37 +30,43 @@ Vec3 findMiddleNormal(const End& a, const End& b) {
 // differ from those of a sphere by the first order of the edge. c: the corners; u: their weights, which sum to one.
 End evaluate(const End (&c)[3], const Vec3& u) {
   Vec3 cubic = Vec3::Zero(), edges = Vec3::Zero(), corners = Vec3::Zero(), normal = Vec3::Zero();
+  double value = 0.0;
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
     const Vec3 from_i = leave(c[i], c[j]), from_j = leave(c[j], c[i]);
     cubic += u[i] * u[i] * u[i] * c[i].p + 3.0 * u[i] * u[j] * (u[i] * from_i + u[j] * from_j);
     edges += (from_i + from_j) / 6.0;
     corners += c[i].p / 3.0;
+    value += u[i] * c[i].value;
     normal += u[i] * u[i] * c[i].n + 2.0 * u[i] * u[j] * findMiddleNormal(c[i], c[j]);
   }
   const Vec3 center = edges + 0.5 * (edges - corners);
   const double length = normal.norm();
-  return {cubic + 6.0 * u[0] * u[1] * u[2] * center, length > 0.0 ? Vec3(normal / length) : c[0].n};
+  return {cubic + 6.0 * u[0] * u[1] * u[2] * center, length > 0.0 ? Vec3(normal / length) : c[0].n, value};
 }
 
 }  // namespace
 
 CurvedTriangles curveTriangles(const Points& positions, const Points& normals, const std::vector<WeightedTriangle>& triangles,
-                               Index pieces) {
+                               Index pieces, const std::vector<double>& values) {
   if (pieces < 1) throw InputError("pieces: found " + std::to_string(pieces) + "; accepted: at least 1");
   if (normals.size() != positions.size())
     throw InputError("normals: found " + std::to_string(normals.size()) + "; accepted: " + std::to_string(positions.size()) +
                      ", one per position");
-  CurvedTriangles curved{positions, normals, {}};
+  if (!values.empty() && values.size() != positions.size())
+    throw InputError("values: found " + std::to_string(values.size()) + "; accepted: none, or " +
+                     std::to_string(positions.size()) + ", one per position");
+  CurvedTriangles curved{positions, normals, {}, values};
   const auto add = [&](const End& end) {
     curved.positions.push_back(end.p);
     curved.normals.push_back(end.n);
+    if (!values.empty()) curved.values.push_back(end.value);
     return static_cast<Index>(curved.positions.size()) - 1;
   };
   std::map<std::pair<Index, Index>, Index> first_of_edge;  // (smaller corner, larger): the point next to the smaller one
   for (const WeightedTriangle& t : triangles) {
     const auto& corner = t.corner;
-    const auto endOf = [&](Index i) { return End{positions[i], normals[i]}; };
+    const auto endOf = [&](Index i) { return End{positions[i], normals[i], values.empty() ? 0.0 : values[i]}; };
     const End ends[3] = {endOf(corner[0]), endOf(corner[1]), endOf(corner[2])};
     // The point with these shares of the corners, in pieces.
     const auto find = [&](Index a, Index b) {

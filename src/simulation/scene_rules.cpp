@@ -26,6 +26,8 @@ void requireOrientations(Fields& fields, const SceneParams& p) {
   for (std::size_t i = 0; i < p.pins.size(); ++i)
     fields.require(!p.pins[i].orientation, "pins[" + std::to_string(i) + "].orientation", "found true" + only + "false");
   fields.require(p.creases.empty(), "creases", "found some" + only + "none");
+  fields.require(p.output.pieces_per_edge == 1, "output.pieces_per_edge",
+                 "found " + std::to_string(p.output.pieces_per_edge) + only + "1");
 }
 
 }  // namespace

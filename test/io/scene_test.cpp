@@ -178,6 +178,7 @@ TEST(ReadScene, RefusesTheOutsideOfEveryRange) {
                                             "duration: X",
                                             "threads: X",
                                             "output: {publish_rate: X}",
+                                            "output: {pieces_per_edge: X}",
                                             "input: {max_points: X}",
                                             "anchors: [{point: [0, 0, 0], target: [0, 0, 0], stiffness: X}]",
                                             "pins: [{sphere: {center: [0, 0, 0], radius: X}}]",

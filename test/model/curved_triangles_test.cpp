@@ -112,10 +112,21 @@ TEST(CurvedTriangles, PatchesShareTheirEdgesAndFaceAsTheirNormals) {
   EXPECT_LT(measureTurn(fine), 0.35 * measureTurn(coarse));
 }
 
+TEST(CurvedTriangles, ValuesAreLinearBetweenCorners) {
+  const Vec3 slope(1.0, 2.0, 3.0);
+  const Points corners{Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3(1.0, 1.0, 0.0)};
+  std::vector<double> values;
+  for (const Vec3& p : corners) values.push_back(slope.dot(p));
+  const CurvedTriangles s = curveTriangles(corners, Points(4, Vec3::UnitZ()), {{{0, 1, 2}, 1.0}, {{1, 3, 2}, 1.0}}, 6, values);
+  ASSERT_EQ(s.values.size(), s.positions.size());
+  for (std::size_t i = 0; i < s.values.size(); ++i) EXPECT_NEAR(s.values[i], slope.dot(s.positions[i]), 1e-14);
+}
+
 TEST(CurvedTriangles, RefusesWhatDoesNotFit) {
   const Points corners(3, Vec3::UnitX());
   EXPECT_THROW(curveTriangles(corners, corners, {}, 0), InputError);
   EXPECT_THROW(curveTriangles(corners, {}, {}, 1), InputError);
+  EXPECT_THROW(curveTriangles(corners, corners, {}, 1, {0.0}), InputError);
 }
 
 }  // namespace

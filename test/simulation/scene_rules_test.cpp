@@ -76,9 +76,12 @@ TEST(SceneRules, OrientationsAndCreasesAreForOrientedParticles) {
   scene.creases.resize(1);
   EXPECT_TRUE(isRefused(scene, "pins[0].orientation"));
   EXPECT_TRUE(isRefused(scene, "creases"));
+  scene.output.pieces_per_edge = 2;
+  EXPECT_TRUE(isRefused(scene, "output.pieces_per_edge"));
   scene.model = "oriented_particles";
   EXPECT_FALSE(isRefused(scene, "pins[0].orientation"));
   EXPECT_FALSE(isRefused(scene, "creases"));
+  EXPECT_FALSE(isRefused(scene, "output.pieces_per_edge"));
 }
 
 TEST(SceneRules, KeptBondsNeedARestShapeAndAddNoParticles) {

@@ -12,6 +12,7 @@ namespace deformable_surface::model {
 struct CurvedTriangles {
   Points positions, normals;                // (k x 3) m; unit; the corners first, in their order
   std::vector<WeightedTriangle> triangles;  // the weights of those that they are part of
+  std::vector<double> values;               // (k), linear between corners; empty if none are given
 };
 
 /// Divides each edge into so many pieces, and so each triangle into pieces^2, and lays the points on the PN triangle of the
@@ -20,8 +21,9 @@ struct CurvedTriangles {
 /// alone, so that neighbouring patches share them. Planes stay flat to rounding. The distance from a sphere falls with the fourth
 /// power of the edge length, that of flat triangles with the square. pieces 1: the triangles as they are.
 ///
-/// positions, normals (n x 3, unit); pieces >= 1. Throws InputError if sizes or pieces do not fit. O(triangles pieces^2).
+/// positions, normals (n x 3, unit); pieces >= 1; values: one per position, such as a colour's, or none. Throws InputError if
+/// sizes or pieces do not fit. O(triangles pieces^2).
 CurvedTriangles curveTriangles(const Points& positions, const Points& normals, const std::vector<WeightedTriangle>& triangles,
-                               Index pieces);
+                               Index pieces, const std::vector<double>& values = {});
 
 }  // namespace deformable_surface::model

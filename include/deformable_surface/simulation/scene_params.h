@@ -130,6 +130,7 @@ struct OutputParams {
   bool error = false;           // estimate the error of each point; needs accuracy.estimate
   double publish_rate = 30.0;   // Hz, > 0
   double contacts_rate = 30.0;  // Hz, 0 = after every step
+  Index pieces_per_edge = 1;    // >= 1: of the drawn triangles; with more they are cubic patches
 };
 
 enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running surface
@@ -382,6 +383,9 @@ inline void visit(Fields& fields, OutputParams& p) {
   fields.number("publish_rate", p.publish_rate, "Hz", between(1e-3, 1e4), "the node: largest rate of clouds and markers");
   fields.number("contacts_rate", p.contacts_rate, "Hz", between(0.0, 1e4),
                 "the node: largest rate of `~contacts`; 0 = after every step");
+  fields.integer("pieces_per_edge", p.pieces_per_edge, "", between(1, 8),
+                 "each triangle of `~markers` between oriented particles is drawn as a cubic patch of the square of so many "
+                 "triangles; 1 = flat");
 }
 
 /// The names in a text, separated by spaces or commas.

@@ -1,6 +1,8 @@
 // Single markers. All of them are lists, except the arrows, so that RViz has to keep few of them.
 #include "deformable_surface/ros/convert/markers.h"
 
+#include "deformable_surface/model/curved_triangles.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -134,6 +136,21 @@ void appendCorner(Index i, const Points& positions, const std::vector<double>& v
   marker.colors.push_back(colorOf(values[i] / full_scale));
 }
 
+Marker drawTriangles(const std_msgs::Header& header, const Points& positions, const Points& normals,
+                     const std::vector<model::WeightedTriangle>& triangles, const std::vector<double>& values,
+                     double full_scale) {
+  Marker marker = makeMarker(header, "surface", 0, Marker::TRIANGLE_LIST);
+  marker.points.reserve(3 * triangles.size());
+  marker.colors.reserve(3 * triangles.size());
+  for (const model::WeightedTriangle& triangle : triangles) {
+    for (const Index corner : triangle.corner) {
+      marker.points.push_back(toPoint(positions[corner]));
+      marker.colors.push_back(shade(colorOf(values[corner] / full_scale), normals[corner]));
+    }
+  }
+  return finish(std::move(marker));
+}
+
 }  // namespace
 
 Marker makeLinksMarker(const std_msgs::Header& header, const std::string& ns, const Points& positions,
@@ -160,16 +177,17 @@ Marker makeSurfaceMarker(const std_msgs::Header& header, const Points& positions
     const Vec3 normal = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
     for (const Index corner : {a, b, c}) normals[corner] += normals[corner].dot(normal) < 0.0 ? Vec3(-normal) : normal;
   }
-  Marker marker = makeMarker(header, "surface", 0, Marker::TRIANGLE_LIST);
-  marker.points.reserve(3 * triangles.size());
-  marker.colors.reserve(3 * triangles.size());
-  for (const model::WeightedTriangle& triangle : triangles) {
-    for (const Index corner : triangle.corner) {
-      marker.points.push_back(toPoint(positions[corner]));
-      marker.colors.push_back(shade(colorOf(values[corner] / full_scale), normals[corner]));
-    }
-  }
-  return finish(std::move(marker));
+  return drawTriangles(header, positions, normals, triangles, values, full_scale);
+}
+
+Marker makePatchesMarker(const std_msgs::Header& header, const Points& positions, const Orientations& orientations,
+                         const std::vector<model::WeightedTriangle>& triangles, const std::vector<double>& values,
+                         double full_scale, Index pieces) {
+  Points normals;
+  normals.reserve(orientations.size());
+  for (const Quaternion& q : orientations) normals.push_back(q * Vec3::UnitZ());
+  const model::CurvedTriangles curved = model::curveTriangles(positions, normals, triangles, pieces, values);
+  return drawTriangles(header, curved.positions, curved.normals, curved.triangles, curved.values, full_scale);
 }
 
 Marker makeWireframeMarker(const std_msgs::Header& header, const Points& positions,

@@ -76,8 +76,11 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
       makeLinksMarker(header, "stretch_springs", positions, stretchLinksOf(model), strain_, kFullStrain, width));
   markers.markers.push_back(
       makeLinksMarker(header, "bending_springs", positions, bendLinksOf(model), strain_, kFullStrain, width));
+  const double full = kFullDisplacementShare * extent_;
+  const Index pieces = simulation.params().output.pieces_per_edge;
   markers.markers.push_back(
-      makeSurfaceMarker(header, positions, trianglesOf(model), displacement_, kFullDisplacementShare * extent_));
+      pieces > 1 ? makePatchesMarker(header, positions, state.orientations, trianglesOf(model), displacement_, full, pieces)
+                 : makeSurfaceMarker(header, positions, trianglesOf(model), displacement_, full));
   markers.markers.push_back(makeWireframeMarker(header, positions, edges_, width));
   markers.markers.push_back(makePinsMarker(header, positions, simulation.pinned(), kPinShare * spacing_));
   std::vector<std::pair<Vec3, Vec3>> touches;
@@ -105,8 +108,7 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
   }
   atMost(num_contacts_, addForceMarkers(header, "contacts", red, contacts, arrow, num_contacts_, markers));
   addLegendMarkers(header, "strain_legend", "strain", "%", 100.0 * kFullStrain, text_place_, markers);
-  addLegendMarkers(header, "displacement_legend", "displacement", "mm", 1000.0 * kFullDisplacementShare * extent_, text_place_,
-                   markers);
+  addLegendMarkers(header, "displacement_legend", "displacement", "mm", 1000.0 * full, text_place_, markers);
   markers.markers.push_back(makeStatisticsMarker(header, simulation.statistics(), text_place_));
 }
 

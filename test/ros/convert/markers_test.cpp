@@ -1,6 +1,8 @@
 // Markers follow the rules by which RViz accepts them, and show the right content.
 #include "deformable_surface/ros/convert/markers.h"
 
+#include "deformable_surface/model/curved_triangles.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -202,6 +204,36 @@ TEST(Markers, GiveTheSurfaceLightFromAbove) {
   EXPECT_EQ(brightness(turned), brightness(floor));
 }
 
+TEST(Markers, DrawPatchesNearerToASphereThanItsTriangles) {
+  const Points corners{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<model::WeightedTriangle> triangles;
+  for (const Index x : {0, 1})
+    for (const Index y : {2, 3})
+      for (const Index z : {4, 5}) triangles.push_back({{x, y, z}, 1.0});
+  model::CurvedTriangles sphere = model::curveTriangles(corners, corners, triangles, 3);
+  Orientations orientations;
+  for (Vec3& p : sphere.positions) {
+    p.normalize();
+    orientations.push_back(Quaternion::FromTwoVectors(Vec3::UnitZ(), p));
+  }
+  const std::vector<double> values(sphere.positions.size(), 0.5);
+  // The largest distance of the middle of a triangle from the sphere.
+  const auto measure = [&](const Marker& marker) {
+    EXPECT_EQ(checkMarker(marker), "");
+    double farthest = 0.0;
+    for (std::size_t i = 0; i + 2 < marker.points.size(); i += 3) {
+      Vec3 middle = Vec3::Zero();
+      for (std::size_t k = i; k < i + 3; ++k) middle += Vec3(marker.points[k].x, marker.points[k].y, marker.points[k].z) / 3.0;
+      farthest = std::max(farthest, std::abs(middle.norm() - 1.0));
+    }
+    return farthest;
+  };
+  const Marker flat = makeSurfaceMarker(makeHeader(), sphere.positions, sphere.triangles, values, 1.0);
+  const Marker patches = makePatchesMarker(makeHeader(), sphere.positions, orientations, sphere.triangles, values, 1.0, 5);
+  EXPECT_EQ(patches.points.size(), 25u * flat.points.size());
+  EXPECT_LT(measure(patches), 0.2 * measure(flat));
+}
+
 TEST(Markers, DrawParticlesAsDiscsAndAxes) {
   const Orientations orientations(4, Quaternion(Eigen::AngleAxisd(M_PI / 2.0, Vec3::UnitY())));  // normals along x
   const Marker discs = makeDiscsMarker(makeHeader(), kSquare, orientations, {0, 0, 0, 1}, 1.0, 0.25);
@@ -341,6 +373,34 @@ TEST(SimulationMarkers, FollowParticlesThatAreBornAndGo) {
   ASSERT_TRUE(simulation.step().ok);
   EXPECT_EQ(simulation.state().size(), 0);
   EXPECT_EQ(countDiscs(), 0);
+}
+
+TEST(SimulationMarkers, DrawPatchesWithTheSameBitsForAnyNumberOfThreads) {
+  cloud::PointCloud input;
+  for (int i = 0; i < 100; ++i) {
+    const double x = 0.1 * (i % 10), y = 0.1 * (i / 10);
+    input.positions.emplace_back(x, y, 0.2 * std::sin(3.0 * x));
+  }
+  input.width = 100;
+  const auto draw = [&](int threads, Index pieces) {
+    simulation::SceneParams params;
+    params.model = "oriented_particles";
+    params.threads = threads;
+    params.output.pieces_per_edge = pieces;
+    simulation::Simulation simulation(params, input);
+    SimulationMarkers markers(simulation, "map");
+    EXPECT_TRUE(simulation.step().ok);
+    visualization_msgs::MarkerArray array;
+    markers.make(makeHeader(), simulation, array);
+    expectValid(array);
+    for (const Marker& marker : array.markers)
+      if (marker.ns == "surface") return marker;
+    return Marker();
+  };
+  const Marker flat = draw(1, 1), one = draw(1, 4), three = draw(3, 4);
+  EXPECT_EQ(one.points.size(), 16u * flat.points.size());
+  EXPECT_TRUE(one.points == three.points);
+  EXPECT_TRUE(one.colors == three.colors);
 }
 
 TEST(SimulationMarkers, ShowASimulationInEveryNamespaceAndKeepTheRules) {

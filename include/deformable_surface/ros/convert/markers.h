@@ -27,6 +27,13 @@ visualization_msgs::Marker makeSurfaceMarker(const std_msgs::Header& header, con
                                              const std::vector<model::WeightedTriangle>& triangles,
                                              const std::vector<double>& values, double full_scale);
 
+/// The same with cubic patches instead of the triangles (model/curved_triangles.h), in the light of their own normals.
+/// pieces: of an edge, > 1.
+visualization_msgs::Marker makePatchesMarker(const std_msgs::Header& header, const Points& positions,
+                                             const Orientations& orientations,
+                                             const std::vector<model::WeightedTriangle>& triangles,
+                                             const std::vector<double>& values, double full_scale, Index pieces);
+
 /// The edges of the triangles (LINE_LIST), all in one colour.
 visualization_msgs::Marker makeWireframeMarker(const std_msgs::Header& header, const Points& positions,
                                                const std::vector<std::pair<Index, Index>>& edges, double width);
