@@ -22,8 +22,6 @@ constexpr Index kSlotsPerLine = 2;
 constexpr Index kRemoved = -1;
 // A balanced tree of 2^31 points is not deeper than this, and a search keeps at most one pending node per level.
 constexpr int kMaxDepth = 40;
-// Queries per block of a parallel loop: about a millisecond of work.
-constexpr Index kBlock = 1024;
 
 // A tree is built in so many branches at a time, unless they are small.
 constexpr std::size_t kMaxBranches = 64;
@@ -219,34 +217,5 @@ void KdTree::remove(Index point) {
 const std::vector<Index>& KdTree::order() const { return order_; }
 
 Index KdTree::size() const { return static_cast<Index>(slot_of_.size()); }
-
-Lists nearestNeighbors(const Points& points, Index k) {
-  if (k < 0) throw InputError("nearest neighbours: k is " + std::to_string(k) + "; it must be 0 or more");
-  const KdTree tree(points);
-  const Index n = tree.size();
-  const Index count = std::min(k, std::max(n - 1, 0));
-  if (static_cast<double>(count) * n > std::numeric_limits<Index>::max()) {
-    throw InputError("nearest neighbours: " + std::to_string(n) + " points with " + std::to_string(count) +
-                     " neighbours each are too many; their product must stay below 2^31");
-  }
-  Lists lists;
-  lists.offsets.resize(static_cast<std::size_t>(n) + 1);
-  for (Index i = 0; i <= n; ++i) lists.offsets[i] = i * count;
-  lists.items.resize(static_cast<std::size_t>(n) * count);
-  parallelFor(n, kBlock, [&](Index begin, Index end) {
-    std::vector<Neighbor> found;
-    for (Index s = begin; s < end; ++s) {
-      // One more than wanted, for the point itself; where many coincide with it, it may be missing and the last one goes.
-      const Index i = tree.order()[s];
-      tree.nearest(points[i], count + 1, found);
-      Index* out = lists.items.data() + lists.offsets[i];
-      Index* const out_end = out + count;
-      for (std::size_t m = 0; m < found.size() && out != out_end; ++m) {
-        if (found[m].index != i) *out++ = found[m].index;
-      }
-    }
-  });
-  return lists;
-}
 
 }  // namespace deformable_surface::cloud

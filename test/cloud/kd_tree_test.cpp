@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <random>
 
@@ -170,6 +171,26 @@ TEST(NearestNeighbors, ListTheOthersNearestFirst) {
       if (e.index == i) continue;
       if (place == 9) break;
       ASSERT_EQ(e.index, lists.begin(i)[place++]);
+    }
+  }
+}
+
+// Points that are searched together find too few candidates, or too many, where the density changes.
+TEST(NearestNeighbors, AreThoseOfSingleSearchesWhereTheDensityChanges) {
+  Points points = makeRandomPoints(3000, 1.0, 4);
+  for (Vec3& p : points) p = Vec3(std::pow(2.0 * p.x(), 9), p.y(), p.x() > 0.3 ? p.z() : 0.0);
+  points.resize(3200, Vec3(0.1, 0.2, 0.3));  // and many at one place
+  points.emplace_back(1e4, 0.0, 0.0);
+  const KdTree tree(points);
+  for (const Index k : {1, 8, 40}) {
+    const Lists lists = nearestNeighbors(points, k);
+    std::vector<Neighbor> found;
+    for (Index i = 0; i < lists.size(); ++i) {
+      ASSERT_EQ(k, lists.count(i));
+      tree.nearest(points[i], k + 1, found);
+      const Index* listed = lists.begin(i);
+      for (Index m = 0; listed != lists.end(i); ++m)
+        if (found[m].index != i) ASSERT_EQ(found[m].index, *listed++) << i;
     }
   }
 }
