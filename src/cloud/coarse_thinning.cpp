@@ -104,21 +104,37 @@ ThinnedCloud takeLeft(ThinnedCloud& cloud, const Lists& neighbors, const std::ve
   left.removed = std::move(cloud.removed);
   left.diameter = std::move(cloud.diameter);
   const Index n = static_cast<Index>(is_left.size());
-  std::vector<Index> new_index(n, -1);
+  std::vector<Index> new_index(n, -1), old_index;
   for (Index i = 0; i < n; ++i) {
     if (!is_left[i]) continue;
-    new_index[i] = static_cast<Index>(left.index.size());
-    left.index.push_back(cloud.index[i]);
-    left.positions.push_back(cloud.positions[i]);
-    left.part.push_back(cloud.part[i]);
-    left.stays.push_back(cloud.stays[i]);
+    new_index[i] = static_cast<Index>(old_index.size());
+    old_index.push_back(i);
   }
-  for (Index i = 0; i < n; ++i) {
-    if (!is_left[i]) continue;
-    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j)
-      if (is_left[*j] && cloud.part[*j] == cloud.part[i]) left.neighbors.items.push_back(new_index[*j]);
-    left.neighbors.offsets.push_back(static_cast<Index>(left.neighbors.items.size()));
-  }
+  const Index m = static_cast<Index>(old_index.size());
+  left.index.resize(m);
+  left.positions.resize(m);
+  left.part.resize(m);
+  left.stays.resize(m);
+  std::vector<std::vector<Index>> items((m + kBlock - 1) / kBlock);
+  left.neighbors.offsets.resize(m + 1);
+  parallelFor(m, kBlock, [&](Index begin, Index end) {
+    std::vector<Index>& listed = items[begin / kBlock];
+    for (Index l = begin; l < end; ++l) {
+      const Index i = old_index[l];
+      left.index[l] = cloud.index[i];
+      left.positions[l] = cloud.positions[i];
+      left.part[l] = cloud.part[i];
+      left.stays[l] = cloud.stays[i];
+      const std::size_t before = listed.size();
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j)
+        if (is_left[*j] && cloud.part[*j] == cloud.part[i]) listed.push_back(new_index[*j]);
+      left.neighbors.offsets[l + 1] = static_cast<Index>(listed.size() - before);
+    }
+  });
+  std::partial_sum(left.neighbors.offsets.begin(), left.neighbors.offsets.end(), left.neighbors.offsets.begin());
+  left.neighbors.items.reserve(left.neighbors.offsets.back());
+  for (const std::vector<Index>& listed : items)
+    left.neighbors.items.insert(left.neighbors.items.end(), listed.begin(), listed.end());
   return left;
 }
 

@@ -30,69 +30,69 @@ double findMedianSpacing(const Points& positions, const Lists& neighbors) {
   return median > 0.0 ? median : 1.0;
 }
 
-// The links for which keep(i, j, cost) is true, made symmetric.
+// The links for which keep(i, j, cost) is true, made symmetric: those of a point, then those that only their other ends keep.
 template <class Keep>
 void collectLinks(const Lists& neighbors, const Keep& keep, GeodesicGraph& graph) {
   const Index n = neighbors.size();
+  struct Missing {
+    Index from, to;
+    double cost;
+  };
+  // Of a block of points.
   struct Part {
     std::vector<Index> items;
     std::vector<double> cost;
+    std::vector<Missing> missing;  // opposite links
   };
   std::vector<Part> parts((n + kBlock - 1) / kBlock);
-  std::vector<Index> count(n);
+  std::vector<Index> first(n), count(n);  // in the part
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     Part& part = parts[begin / kBlock];
     for (Index i = begin; i < end; ++i) {
+      first[i] = static_cast<Index>(part.items.size());
       for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
         double cost;
         if (!keep(i, *j, cost)) continue;
         part.items.push_back(*j);
         part.cost.push_back(cost);
-        ++count[i];
       }
+      count[i] = static_cast<Index>(part.items.size()) - first[i];
     }
   });
-
-  // Adds missing opposite links.
-  Lists kept;
-  std::vector<double> kept_cost;
-  for (Index i = 0; i < n; ++i) kept.offsets.push_back(kept.offsets[i] + count[i]);
-  kept.items.reserve(kept.offsets[n]);
-  kept_cost.reserve(kept.offsets[n]);
-  for (Part& part : parts) {
-    kept.items.insert(kept.items.end(), part.items.begin(), part.items.end());
-    kept_cost.insert(kept_cost.end(), part.cost.begin(), part.cost.end());
-    part = {};
-  }
-  std::vector<char> is_missing(kept.items.size());
   parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Part& part = parts[begin / kBlock];
     for (Index i = begin; i < end; ++i) {
-      for (const Index* j = kept.begin(i); j != kept.end(i); ++j) {
-        is_missing[j - kept.items.data()] = std::find(kept.begin(*j), kept.end(*j), i) == kept.end(*j);
+      for (Index e = first[i]; e < first[i] + count[i]; ++e) {
+        const Index j = part.items[e];
+        const Index* const of_j = parts[j / kBlock].items.data() + first[j];
+        if (std::find(of_j, of_j + count[j], i) == of_j + count[j]) part.missing.push_back({j, i, part.cost[e]});
       }
     }
   });
-  for (std::size_t e = 0; e < kept.items.size(); ++e) count[kept.items[e]] += is_missing[e];
 
-  graph.links.offsets.assign(1, 0);
-  for (Index i = 0; i < n; ++i) graph.links.offsets.push_back(graph.links.offsets[i] + count[i]);
+  std::vector<Index> num_missing(n);
+  for (const Part& part : parts)
+    for (const Missing& link : part.missing) ++num_missing[link.from];
+  graph.links.offsets.resize(n + 1);
+  for (Index i = 0; i < n; ++i) graph.links.offsets[i + 1] = graph.links.offsets[i] + count[i] + num_missing[i];
   graph.links.items.resize(graph.links.offsets[n]);
   graph.cost.resize(graph.links.offsets[n]);
   std::vector<Index> next(n);
-  for (Index i = 0; i < n; ++i) {
-    next[i] = graph.links.offsets[i] + kept.count(i);
-    std::copy(kept.begin(i), kept.end(i), graph.links.items.begin() + graph.links.offsets[i]);
-    std::copy(kept_cost.begin() + kept.offsets[i], kept_cost.begin() + kept.offsets[i + 1],
-              graph.cost.begin() + graph.links.offsets[i]);
-  }
-  for (Index i = 0; i < n; ++i) {
-    for (Index e = kept.offsets[i]; e < kept.offsets[i + 1]; ++e) {
-      if (!is_missing[e]) continue;
-      const Index to = next[kept.items[e]]++;
-      graph.links.items[to] = i;
-      graph.cost[to] = kept_cost[e];
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    const Part& part = parts[begin / kBlock];
+    for (Index i = begin; i < end; ++i) {
+      const Index to = graph.links.offsets[i];
+      std::copy_n(part.items.begin() + first[i], count[i], graph.links.items.begin() + to);
+      std::copy_n(part.cost.begin() + first[i], count[i], graph.cost.begin() + to);
+      next[i] = to + count[i];
     }
-  }
+  });
+  for (const Part& part : parts)
+    for (const Missing& link : part.missing) {
+      const Index to = next[link.from]++;
+      graph.links.items[to] = link.to;
+      graph.cost[to] = link.cost;
+    }
 }
 
 }  // namespace
@@ -138,9 +138,10 @@ GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& si
   graph.trust_radius = findTrustRadii(positions, sides, neighbors);
   const std::vector<double>& radius = graph.trust_radius;
   std::vector<double> reach(n, 0.0);  // m, of the lists
-  for (Index i = 0; i < n; ++i) {
-    if (neighbors.count(i) > 0) reach[i] = (positions[neighbors.end(i)[-1]] - positions[i]).norm();
-  }
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      if (neighbors.count(i) > 0) reach[i] = (positions[neighbors.end(i)[-1]] - positions[i]).norm();
+  });
   collectLinks(
       neighbors,
       [&](Index i, Index j, double& cost) {

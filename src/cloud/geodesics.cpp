@@ -42,18 +42,22 @@ struct Apart {
 
 // Lists of count[i] items. Those of points with is_new are in the blocks, one after another; the others stay as they were.
 Lists joinBlocks(const std::vector<std::vector<Index>>& blocks, const std::vector<Index>& count, const std::vector<char>& is_new,
-                 const Lists& before) {
+                 Lists before) {
   const Index n = static_cast<Index>(count.size());
   Lists lists;
   lists.offsets.resize(n + 1);
   for (Index i = 0; i < n; ++i) lists.offsets[i + 1] = lists.offsets[i] + count[i];
-  lists.items.resize(lists.offsets[n]);
+  const bool are_in_place = lists.offsets == before.offsets;
+  if (are_in_place)
+    lists.items = std::move(before.items);
+  else
+    lists.items.resize(lists.offsets[n]);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     const Index* next = blocks[begin / kBlock].data();
     for (Index i = begin; i < end; ++i) {
       Index* const to = lists.items.data() + lists.offsets[i];
       if (!is_new[i]) {
-        std::copy(before.begin(i), before.end(i), to);
+        if (!are_in_place) std::copy(before.begin(i), before.end(i), to);
         continue;
       }
       std::copy(next, next + count[i], to);
@@ -187,7 +191,7 @@ Apart findApart(const GeodesicGraph& graph, const Points& positions, const Surfa
       }
     }
   });
-  apart.lists = joinBlocks(blocks, count, std::vector<char>(n, 1), neighbors);
+  apart.lists = joinBlocks(blocks, count, std::vector<char>(n, 1), {});
   return apart;
 }
 
@@ -381,7 +385,7 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
   }
   result.num_joined = countJoined(graph, positions, sides, neighbors);
   result.num_refused = std::accumulate(refused.begin(), refused.end(), Index{0});
-  result.lists = joinBlocks(blocks, count, at_gap, neighbors);
+  result.lists = joinBlocks(blocks, count, at_gap, std::move(neighbors));
   result.is_changed = std::move(at_gap);
   return result;
 }

@@ -1,6 +1,8 @@
 // The rule for links: length against the spacing at both ends, slope against both tangent planes.
 #include "deformable_surface/cloud/links.h"
 
+#include "deformable_surface/base/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,6 +16,8 @@ constexpr double kMaxLinkRatio = 4.0;
 
 // The spacing is the distance of the neighbour that completes a hexagon: a close pair changes the nearest distance, not this one.
 constexpr Index kSpacingNeighbor = 6;
+
+constexpr Index kBlock = 4096;  // points per task: less than a millisecond of work
 
 // Union-find in which the smallest index of a set is its root.
 class Components {
@@ -53,12 +57,14 @@ TangentPlane::TangentPlane(const Vec3& origin, const Vec3& normal) : origin_(ori
 
 LinkRule::LinkRule(const Points& positions, const Points& normals, const Lists& neighbors)
     : positions_(positions), normals_(normals), max_squared_length_(positions.size(), 0.0) {
-  for (Index i = 0; i < neighbors.size(); ++i) {
-    const Index count = std::min(neighbors.count(i), kSpacingNeighbor);
-    if (count == 0) continue;
-    const double squared_spacing = (positions[neighbors.begin(i)[count - 1]] - positions[i]).squaredNorm();
-    max_squared_length_[i] = kMaxLinkRatio * kMaxLinkRatio * squared_spacing;
-  }
+  parallelFor(neighbors.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Index count = std::min(neighbors.count(i), kSpacingNeighbor);
+      if (count == 0) continue;
+      const double squared_spacing = (positions[neighbors.begin(i)[count - 1]] - positions[i]).squaredNorm();
+      max_squared_length_[i] = kMaxLinkRatio * kMaxLinkRatio * squared_spacing;
+    }
+  });
 }
 
 std::vector<Index> labelComponents(const Lists& links, Index& num_components) {

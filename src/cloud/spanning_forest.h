@@ -13,8 +13,8 @@ namespace deformable_surface::cloud {
 
 /// Joins the ends of links in ascending order, unless they are joined already. Link: with ends i and j and a strict total
 /// order. forLinks(i, visit): visits the links that point i offers, from several threads, always the same. findRoot(i): one
-/// point for all points joined to i. join(link): called for every link of the forest, and for some others whose
-/// ends are joined by then. The result does not depend on the number of threads.
+/// point for all points joined to i, from several threads. join(link): called for every link of the forest, and for some others
+/// whose ends are joined by then. The result does not depend on the number of threads.
 template <class Link, class ForLinks, class FindRoot, class Join>
 void visitSpanningForest(Index n, const ForLinks& forLinks, const FindRoot& findRoot, const Join& join) {
   constexpr Index kBlock = 1024;  // points per task: about a millisecond of work
@@ -26,7 +26,9 @@ void visitSpanningForest(Index n, const ForLinks& forLinks, const FindRoot& find
   // The shortest links join nearly all points, so most others are dropped before they are sorted. Portions double, so that
   // there are few of them where the weights tie and little can be dropped.
   for (std::size_t portion = n;; portion *= 2) {
-    for (Index i = 0; i < n; ++i) root[i] = findRoot(i);
+    parallelFor(n, kBlock, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) root[i] = findRoot(i);
+    });
     const auto isLeft = [&](const Link& link) { return (!last || *last < link) && root[link.i] != root[link.j]; };
     sample.clear();
     for (Index i = 0; i < n; i += kSampled)

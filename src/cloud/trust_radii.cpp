@@ -3,14 +3,15 @@
 
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/links.h"
+#include "signed_sets.h"
 #include "spanning_forest.h"
 #include "wide_gaps.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 #include <tuple>
 
 namespace deformable_surface::cloud {
@@ -118,22 +119,16 @@ std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& 
     }
   });
 
-  // Union-find in which the smaller index is the root.
-  std::vector<Index> parent(n);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto findRoot = [&](Index i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  SignedSets sets(n);
+  const auto findRoot = [&](Index i) { return sets.find(i); };
   std::vector<Link> tree;
   tree.reserve(n);
   const auto forLinks = [&](Index i, const auto& visit) {
     std::for_each(links.begin() + first[i], links.begin() + first[i + 1], visit);
   };
   visitSpanningForest<Link>(n, forLinks, findRoot, [&](const Link& link) {
-    const Index a = findRoot(link.i), b = findRoot(link.j);
-    if (a == b) return;
-    parent[std::max(a, b)] = std::min(a, b);
+    if (sets.find(link.i) == sets.find(link.j)) return;
+    sets.join(link.i, link.j, false);
     tree.push_back(link);
   });
   return tree;
@@ -183,16 +178,25 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
   std::vector<float> squared_own(n);
   const std::vector<Link> tree = findSpanningTree(positions, sides, neighbors, squared_own);
 
-  // The tree's links at each point.
+  // The lengths of the tree's links at each point, in any order.
+  std::vector<std::atomic<Index>> place(n);
+  const auto forEnds = [&](const auto& visit) {
+    parallelFor(static_cast<Index>(tree.size()), kBlock, [&](Index begin, Index end) {
+      for (Index t = begin; t < end; ++t) {
+        visit(tree[t].i, tree[t].squared_length);
+        visit(tree[t].j, tree[t].squared_length);
+      }
+    });
+  };
+  for (std::atomic<Index>& p : place) p.store(0, std::memory_order_relaxed);
+  forEnds([&](Index i, float) { place[i].fetch_add(1, std::memory_order_relaxed); });
   std::vector<Index> offset(n + 1, 0);
-  for (const Link& link : tree) {
-    ++offset[link.i + 1];
-    ++offset[link.j + 1];
+  for (Index i = 0; i < n; ++i) {
+    offset[i + 1] = offset[i] + place[i].load(std::memory_order_relaxed);
+    place[i].store(offset[i], std::memory_order_relaxed);
   }
-  std::partial_sum(offset.begin(), offset.end(), offset.begin());
   std::vector<float> squared(offset[n]);
-  std::vector<Index> next(offset.begin(), offset.end() - 1);
-  for (const Link& link : tree) squared[next[link.i]++] = squared[next[link.j]++] = link.squared_length;
+  forEnds([&](Index i, float length) { squared[place[i].fetch_add(1, std::memory_order_relaxed)] = length; });
 
   std::vector<float> squared_cover(sides.normals.empty() ? 0 : n);
   parallelFor(static_cast<Index>(squared_cover.size()), kBlock, [&](Index begin, Index end) {

@@ -60,6 +60,18 @@ void storeRow(const Row& row, std::size_t count, double sum, float* out, std::si
   out[largest * stride] = static_cast<float>(out[largest * stride] + rest);
 }
 
+// The first of n points that is wrong; n if none is.
+template <class IsWrong>
+Index findFirst(Index n, const IsWrong& isWrong) {
+  // As maxima, so that the largest is the first.
+  const double most = parallelMax(n, kFitBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      if (isWrong(i)) return static_cast<double>(n - i);
+    return 0.0;
+  });
+  return n - static_cast<Index>(most);
+}
+
 void check(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
            const TransferParams& params, const Lists* followed) {
   std::vector<std::string> problems;
@@ -83,17 +95,20 @@ void check(const Points& dense, const Points& normals, const Points& simulation,
                        std::to_string(dense.size()) + " dense points; there must be one for each");
   }
   if (!problems.empty()) throw InputError(problems);
-  for (Index i = 0; followed && i < followed->size(); ++i) {
-    const auto isUsable = [&](Index j) { return j >= 0 && static_cast<std::size_t>(j) < usable.size() && usable[j]; };
-    if (followed->count(i) <= params.k && std::all_of(followed->begin(i), followed->end(i), isUsable)) continue;
-    throw InputError("transfer: dense point " + std::to_string(i) +
+  const Index n = static_cast<Index>(dense.size());
+  const auto isUsable = [&](Index j) { return j >= 0 && static_cast<std::size_t>(j) < usable.size() && usable[j]; };
+  const auto isStray = [&](Index i) {
+    return followed->count(i) > params.k || !std::all_of(followed->begin(i), followed->end(i), isUsable);
+  };
+  const Index stray = followed ? findFirst(n, isStray) : n;
+  if (stray < n)
+    throw InputError("transfer: dense point " + std::to_string(stray) +
                      " follows more than k simulation points, or one that is not usable");
-  }
   // Normals of a float cloud are unit to a few 1e-7; a thousandth distinguishes them from vectors that were never normalised.
-  for (std::size_t i = 0; i < dense.size(); ++i) {
-    if (dense[i].allFinite() && std::abs(normals[i].squaredNorm() - 1.0) < 1e-3) continue;
-    throw InputError("transfer: dense point " + std::to_string(i) + " is not finite or its normal is not a unit vector");
-  }
+  const Index wrong =
+      findFirst(n, [&](Index i) { return !(dense[i].allFinite() && std::abs(normals[i].squaredNorm() - 1.0) < 1e-3); });
+  if (wrong < n)
+    throw InputError("transfer: dense point " + std::to_string(wrong) + " is not finite or its normal is not a unit vector");
 }
 
 }  // namespace
@@ -116,6 +131,7 @@ Transfer::Transfer(const Points& dense, const Points& normals, const Points& sim
 
   k_ = params.k;
   const std::size_t num_groups = (dense.size() + kLanes - 1) / kLanes;
+  static_assert(kFitBlock % kLanes == 0, "a block fills whole groups");
   index_.assign(num_groups * k_ * kLanes, 0);
   weight_.assign(num_groups * k_ * 3 * kLanes, 0.0f);
   frame_.assign(num_groups * kFrameRows * kLanes, 0.0f);
@@ -133,10 +149,11 @@ Transfer::Transfer(const Points& dense, const Points& normals, const Points& sim
       }
       if (!fitRow(i, normals[i], simulation, found, params)) ++degenerate;
     }
+    for (std::size_t g = begin / kLanes; g * kLanes < static_cast<std::size_t>(end); ++g)
+      settleNormals(frame_.data() + g * kFrameRows * kLanes);
     return static_cast<double>(degenerate);
   }));
 
-  for (std::size_t g = 0; g < num_groups; ++g) settleNormals(frame_.data() + g * kFrameRows * kLanes);
   tile_sources_.resize((dense.size() + kTilePoints - 1) / kTilePoints);
   parallelFor(numTiles(), 1, [&](Index begin, Index end) {
     for (Index tile = begin; tile < end; ++tile) findTileSources(tile);

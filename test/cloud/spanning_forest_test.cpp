@@ -40,8 +40,8 @@ std::vector<std::vector<Link>> makeLinks(std::uint32_t num_weights) {
 class Sets {
  public:
   Sets() : parent_(kPoints) { std::iota(parent_.begin(), parent_.end(), 0); }
-  Index find(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  Index find(Index i) const {
+    while (parent_[i] != i) i = parent_[i];
     return i;
   }
   bool join(const Link& link) {
