@@ -189,8 +189,10 @@ TEST(NearestNeighbors, AreThoseOfSingleSearchesWhereTheDensityChanges) {
       ASSERT_EQ(k, lists.count(i));
       tree.nearest(points[i], k + 1, found);
       const Index* listed = lists.begin(i);
-      for (Index m = 0; listed != lists.end(i); ++m)
-        if (found[m].index != i) ASSERT_EQ(found[m].index, *listed++) << i;
+      for (Index m = 0; listed != lists.end(i); ++m) {
+        if (found[m].index == i) continue;
+        ASSERT_EQ(found[m].index, *listed++) << i;
+      }
     }
   }
 }
