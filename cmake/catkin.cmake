@@ -30,7 +30,8 @@ foreach(folder ${CATKIN_DEVEL_PREFIX}/share/${PROJECT_NAME}/cmake ${PROJECT_BINA
                                    COMPATIBILITY SameMinorVersion)
 endforeach()
 
-file(GLOB io_sources CONFIGURE_DEPENDS src/io/cloud_filters*.cpp src/io/point_files*.cpp src/io/mesh_files.cpp src/io/mesh_output.cpp src/io/load_scene.cpp)
+file(GLOB io_sources CONFIGURE_DEPENDS src/io/cloud_filters*.cpp src/io/point_files*.cpp src/io/mesh_files.cpp src/io/mesh_output.cpp src/io/load_scene.cpp
+     src/io/volume_files.cpp)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/convert/*.cpp src/ros/node/*.cpp src/ros/simulate/*.cpp)
 file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/node/*nodelet.cpp)
 list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet)\\.cpp$")
@@ -132,6 +133,7 @@ if(CATKIN_ENABLE_TESTING)
   endforeach()
 
   file(GLOB io_tests CONFIGURE_DEPENDS test/io/cloud_filters*_test.cpp test/io/point_files*_test.cpp test/io/load_scene_test.cpp
+       test/io/volume_files_test.cpp
        test/scenario/*_test.cpp)
   foreach(source ${io_tests})
     get_filename_component(name ${source} NAME_WE)

@@ -31,6 +31,7 @@ set(included_headers
     geometry/signed_distance.h
     geometry/solid.h
     geometry/solid_params.h
+    geometry/volume.h
     linear/block_sparse.h
     model/capabilities.h
     model/deformable_model.h
@@ -40,6 +41,7 @@ set(included_headers
     model/material_params.h
     model/state.h
     model/oriented_particles/growth_params.h
+    model/oriented_particles/guide_params.h
     model/oriented_particles/oriented_particles_params.h
     simulation/accuracy_choice.h
     simulation/sleep_params.h

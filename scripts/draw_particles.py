@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Runs the scenes after the figures of [Szeliski and Tonnesen 1991] with `simulate` and draws each at some times into one picture, from the
-markers for RViz: axes, discs, wireframe, shaded triangles. Makes docs/images/particles.png, with --cuts docs/images/particles_scalpel.png.
-  draw_particles.py [--cuts] SIMULATE OUT.png [SCENES]      SIMULATE: the program, e.g. .ws/devel/lib/deformable_surface/simulate"""
+markers for RViz: axes, discs, wireframe, shaded triangles. Makes docs/images/particles.png, with --cuts docs/images/particles_scalpel.png,
+with --volume docs/images/particles_volume.png.
+  draw_particles.py [--cuts | --volume] SIMULATE OUT.png [SCENES]      SIMULATE: the program, e.g. .ws/devel/lib/deformable_surface/simulate"""
 import io
 import os
 import subprocess
@@ -38,10 +39,13 @@ PANELS = [
     ("torus", "Figure 14: a sphere becomes a torus", 10, ((0, "surface"), (14, "surface"), (-1, "surface")), 50, -60),
     ("axes", "Figure 15: x axes (red) before and after the spin torque", 10, ((0, "frames"), (-1, "frames")), 55, -60),
 ]
-# Beyond the paper; a picture of its own.
-CUT_PANELS = [
-    ("scalpel", "Two scalpels cut for good; a hand and tweezers open both cuts", 10, ((4, "surface"), (10, "surface"), (-1, "surface")), 45, -75),
-]
+# Beyond the paper; pictures of their own.
+OWN_PANELS = {
+    "--cuts": [("scalpel", "Two scalpels cut for good; a hand and tweezers open both cuts", 10,
+                ((4, "surface"), (10, "surface"), (-1, "surface")), 45, -75)],
+    "--volume": [("volume", "A seed is blown up in a volume", 10, ((0, "surface"), (3, "surface"), (6, "surface"), (-1, "surface")),
+                  25, -60)],
+}
 GIVEN, BORN = np.array([0.45, 0.65, 0.85]), np.array([0.95, 0.6, 0.2])
 AXIS_COLOURS = ((0.8, 0.1, 0.1), (0.1, 0.6, 0.1), (0.1, 0.2, 0.8))
 COLOURS = 96  # of the picture: few enough for a small file
@@ -157,16 +161,16 @@ def draw(axis, frame, how, view):
 
 def main():
     global SCENES
-    cuts = "--cuts" in sys.argv
-    if cuts:
-        sys.argv.remove("--cuts")
-    panels = CUT_PANELS if cuts else PANELS
+    own = next((option for option in OWN_PANELS if option in sys.argv), None)
+    if own:
+        sys.argv.remove(own)
+    panels = OWN_PANELS[own] if own else PANELS
     if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
     SCENES = sys.argv[3] if len(sys.argv) == 4 else SCENES
-    columns = 1 if cuts else 2
+    columns = 1 if own else 2
     rows = (len(panels) + columns - 1) // columns
-    figure = pyplot.figure(figsize=(13, (4.0 if cuts else 2.5) * rows))
+    figure = pyplot.figure(figsize=(13, (4.0 if own else 2.5) * rows))
     # Of a scene that begins grown, the samples that it was given.
     given = {"grow": 80}
     for k, (name, title, rate, chosen, elevation, azimuth) in enumerate(panels):

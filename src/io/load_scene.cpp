@@ -3,6 +3,7 @@
 #include "deformable_surface/io/mesh_files.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/io/shapes.h"
+#include "deformable_surface/io/volume_files.h"
 
 namespace deformable_surface::io {
 
@@ -12,6 +13,7 @@ simulation::SceneParams loadScene(const std::string& file, const std::vector<std
   for (const std::string& assignment : assignments) setByPath(root, assignment);
   simulation::SceneParams params = readScene(root);
   readMeshFiles(params.tools, find_package);
+  readGuide(params.oriented_particles.guide, find_package);
   return params;
 }
 

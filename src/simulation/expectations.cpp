@@ -129,9 +129,9 @@ std::optional<double> findLinkQuantity(const std::string& name, const Simulation
 
 // Quantities that only some models have.
 void refuseOthers(const std::string& name) {
-  static const char* const kNames[] = {"boundary_loops", "euler_characteristic", "spacing_mean",
-                                       "spacing_cv",     "spacing_max",          "added",
-                                       "removed",        "principal_angle_mean", "touching"};
+  static const char* const kNames[] = {
+      "boundary_loops", "euler_characteristic", "spacing_mean", "spacing_cv",         "spacing_max",       "added",
+      "removed",        "principal_angle_mean", "touching",     "guide_distance_max", "guide_distance_rms"};
   if (std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames))
     throw InputError(name + ": found a model without particles; accepted: model: " + listModels(&ModelTraits::has_population));
 }

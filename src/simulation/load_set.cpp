@@ -10,7 +10,8 @@ LoadSet::LoadSet(const model::DeformableModel& model, const SceneParams& params)
       contact(model.masses()),
       contact_damping(contact, params.integrator.type == solve::IntegratorType::kImplicit),
       friction(contact),
-      track(model.masses(), params.input.tracking_gain) {}
+      track(model.masses(), params.input.tracking_gain),
+      guide(model, params.oriented_particles.guide) {}
 
 void LoadSet::choose() {
   acting_.clear();
@@ -26,6 +27,7 @@ void LoadSet::choose() {
   add(contact_damping);
   add(friction);
   add(track);
+  add(guide);
   if (!self_contact) return;
   if (self_contact->pushes()) acting_.push_back(&self_contact->untangling);
   if (!self_contact->mayAct()) return;

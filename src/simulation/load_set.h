@@ -4,6 +4,7 @@
 
 #include "deformable_surface/simulation/contact_damping.h"
 #include "deformable_surface/simulation/friction_load.h"
+#include "deformable_surface/simulation/guide_load.h"
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/track_load.h"
 
@@ -30,6 +31,7 @@ class LoadSet {
   ContactDamping contact_damping;
   FrictionLoad friction;
   TrackLoad track;
+  GuideLoad guide;
   /// Null: the surface may pass through itself. Not for parts.
   std::unique_ptr<SelfContactLoads> self_contact;
 

@@ -3,6 +3,7 @@
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/io/shapes.h"
+#include "deformable_surface/io/volume_files.h"
 #include "deformable_surface/simulation/expectations.h"
 
 #include <gtest/gtest.h>
@@ -25,16 +26,18 @@ std::vector<std::string> listScenes() {
   return names;
 }
 
+std::string findPackage(const std::string&) { return kRoot; }
+
 simulation::Simulation makeSimulation(const simulation::SceneParams& params) {
   if (params.cloud.file.empty()) return {params, io::makeShape(params.cloud)};
-  const auto findPackage = [](const std::string&) { return kRoot; };
   return {params, io::readPointFile(params.cloud.file, params.cloud.scale, params.input.max_points, findPackage)};
 }
 
 class Scenes : public testing::TestWithParam<std::string> {};
 
 TEST_P(Scenes, RunToTheirEndAndDoWhatTheyPromise) {
-  const simulation::SceneParams params = io::readScene(io::loadYamlFile(kRoot + "/scenes/" + GetParam() + ".yaml"));
+  simulation::SceneParams params = io::readScene(io::loadYamlFile(kRoot + "/scenes/" + GetParam() + ".yaml"));
+  io::readGuide(params.oriented_particles.guide, findPackage);
   io::checkForSimulate(params);
   simulation::Simulation simulation = makeSimulation(params);
   const long steps = std::lround(params.duration / params.integrator.time_step);

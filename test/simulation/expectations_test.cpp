@@ -8,7 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
+#include <memory>
+#include <vector>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -78,6 +81,12 @@ TEST(Expectations, KnowEveryNameThatTheSchemaKnows) {
   Simulation simulation = runSteps(params, 1);
   params.model = "oriented_particles";
   params.tools.push_back(makeBall(10.0));
+  model::GuideParams& guide = params.oriented_particles.guide;
+  guide.volume = "given";
+  guide.pressure = guide.iso_value = 0.5;
+  guide.grid =
+      std::make_shared<const geometry::Volume>(std::array<Index, 3>{2, 2, 2}, Vec3::Constant(-9.0), Mat3(18.0 * Mat3::Identity()),
+                                               std::vector<float>{0, 1, 1, 1, 1, 1, 1, 1});
   Simulation particles = runSteps(params, 1);
   for (const std::string& name : expectQuantities()) {
     // Each is one of the sphere or of its particles.

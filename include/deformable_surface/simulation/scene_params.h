@@ -232,6 +232,8 @@ inline std::vector<std::string> expectQuantities() {
                            "torus_radius",
                            "torus_tube_radius",
                            "distance_to_tools_min",
+                           "guide_distance_max",
+                           "guide_distance_rms",
                            "touching"}) {
     names.emplace_back(name);
   }

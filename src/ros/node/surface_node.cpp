@@ -21,6 +21,7 @@
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/io/mesh_files.h"
 #include "deformable_surface/io/scene.h"
+#include "deformable_surface/io/volume_files.h"
 #include "deformable_surface/ros/convert/find_package.h"
 #include "deformable_surface/ros/convert/robot_tools.h"
 #include "deformable_surface/ros/convert/tool_decoder.h"
@@ -75,6 +76,7 @@ simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) 
   }
   simulation::SceneParams params = io::readScene(Value(std::move(scene)));
   io::readMeshFiles(params.tools, findPackage);
+  io::readGuide(params.oriented_particles.guide, findPackage);
   const std::filesystem::path directory = params.save_directory;
   std::error_code error;
   if (!directory.empty() && !(directory.is_absolute() && std::filesystem::is_directory(directory, error)))

@@ -5,6 +5,7 @@
 #include "deformable_surface/base/params.h"
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/model/oriented_particles/growth_params.h"
+#include "deformable_surface/model/oriented_particles/guide_params.h"
 
 #include <cmath>
 
@@ -63,6 +64,7 @@ struct OrientedParticlesParams {
   double growth_interval = 0.02;  // s, > 0: between two looks for room
   bool grow_surface = false;      // before time 0 a surface is grown through the particles
   GrowthParams growth;
+  GuideParams guide;
 
   /// Rest curvatures are for the isotropic weighting of a surface only.
   bool remembersShape() const { return weighting == ParticleWeighting::kIsotropic && mode == ParticleMode::kSpace; }
@@ -165,6 +167,9 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                    "grow_surface false");
   }
   fields.section("growth", p.growth, "The stretching and growing rules. Lengths are in particle spacings.");
+  fields.section("guide", p.guide, "A volume whose iso-surface a seed inside of it is blown up to (docs/oriented_particles.md).");
+  fields.require(p.guide.volume.empty() || (p.mode == ParticleMode::kSpace && p.bonds == ParticleBonds::kFree), "guide.volume",
+                 "found one with mode: plane or bonds: kept; accepted: mode space and bonds free, or none");
 }
 
 }  // namespace deformable_surface::model

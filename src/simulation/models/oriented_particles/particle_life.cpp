@@ -9,6 +9,7 @@
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -111,6 +112,32 @@ Index moveApart(double least, const std::vector<char>& fixed, State& state) {
   return near_pairs;
 }
 
+// Refuses a volume that has not been read, and a seed of which more is outside of the iso-surface than inside.
+void requireSeed(const model::GuideParams& guide, const State& state) {
+  if (!guide.grid)
+    throw InputError("oriented_particles.guide.volume: found one that has not been read; accepted: a grid of values");
+  Index inside = 0;
+  for (const Vec3& p : state.positions) inside += guide.distance(p) > 0.0;
+  if (2 * inside < state.size())
+    throw InputError(
+        "oriented_particles.guide: found " + std::to_string(inside) + " of " + std::to_string(state.size()) +
+        " particles inside of the iso-surface; accepted: half of them or more (guide.inside states which side it is)");
+}
+
+// Whether the inside of the iso-surface reaches the border of the grid.
+bool reachesBorder(const model::GuideParams& guide) {
+  const double side = guide.inside == model::GuideInside::kAbove ? 1.0 : -1.0;
+  const std::array<Index, 3>& size = guide.grid->size();
+  std::size_t at = 0;
+  for (Index k = 0; k < size[2]; ++k)
+    for (Index j = 0; j < size[1]; ++j)
+      for (Index i = 0; i < size[0]; ++i, ++at) {
+        const bool is_border = i == 0 || j == 0 || k == 0 || i + 1 == size[0] || j + 1 == size[1] || k + 1 == size[2];
+        if (is_border && side * (guide.grid->values()[at] - guide.iso_value) > 0.0) return true;
+      }
+  return false;
+}
+
 }  // namespace
 
 model::GrowthParams ParticleLife::growthParams() const {
@@ -136,7 +163,8 @@ void ParticleLife::heat(double time, double step, const std::vector<ToolParams>&
   }
 }
 
-void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, State& state, Population& changes) const {
+void ParticleLife::remove(double time, bool looks, const std::vector<ToolParams>& tools, State& state,
+                          Population& changes) const {
   is_gone_.assign(state.positions.size(), 0);
   inside_.assign(state.positions.size(), 0);
   for (const ToolParams& tool : tools) {
@@ -152,8 +180,29 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
       inside_[i] = solid;
     }
   }
+  if (looks && scene_.oriented_particles.guide.grid) markMeeting(state);
   if (std::count(is_gone_.begin(), is_gone_.end(), 1) == 0) return;
   takeOut(is_gone_, state, changes);
+}
+
+// Where two fronts of the surface meet inside of the iso-surface that guides it, both go. Their rims then join, and the surface
+// has a handle more.
+void ParticleLife::markMeeting(const State& state) const {
+  constexpr double kMeeting = 2.0;  // spacings: in reach of bonds, which hold fronts apart
+  constexpr double kFacing = -0.5;  // cosine between normals
+  constexpr double kAhead = 0.7;    // cosine between a normal and the line to the other
+  const cloud::KdTree tree(state.positions);
+  std::vector<cloud::Neighbor> near;
+  for (Index i = 0; i < state.size(); ++i) {
+    endIfInterrupted(i, kLook);
+    const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
+    tree.withinRadius(state.positions[i], kMeeting * model_.lattice().spacing, near);
+    for (const cloud::Neighbor& q : near) {
+      const Vec3 line = state.positions[q.index] - state.positions[i], other = state.orientations[q.index] * Vec3::UnitZ();
+      if (!(normal.dot(other) < kFacing && normal.dot(line) > kAhead * line.norm())) continue;
+      if (scene_.oriented_particles.guide.distance(state.positions[i] + 0.5 * line) > 0.0) is_gone_[i] = is_gone_[q.index] = 1;
+    }
+  }
 }
 
 void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Population& changes) {
@@ -221,7 +270,14 @@ Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
   model_.setSpacing(model_.statedSpacing());  // undoes the change by growing a surface
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
-  return params.grow_surface ? growSurface(params.growth, pinned, true, state) : Population();
+  has_arrived_ = false;
+  const bool is_guided = params.guide.grid || !params.guide.volume.empty();
+  if (is_guided) requireSeed(params.guide, state);
+  Population begun = params.grow_surface ? growSurface(params.growth, pinned, true, state) : Population();
+  if (is_guided && reachesBorder(params.guide))
+    begun.notice += std::string(begun.notice.empty() ? "" : "; ") +
+                    "the iso-surface of oriented_particles.guide reaches the border of its volume, which closes it";
+  return begun;
 }
 
 Evolution::Change ParticleLife::beforeStep(double time, double step, const std::vector<ToolParams>& tools, State& state) {
@@ -234,10 +290,11 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
                         [](const model::ParticleTraits& particle) { return particle.temperature > 0.0; }) ||
             has_flowed;
   change.has_energy = is_hot_;
-  remove(time, tools, state, change.population);
   const double interval = scene_.oriented_particles.growth_interval;
   const bool looks = std::floor((time + 1e-6 * step) / interval) > std::floor((time - (1.0 - 1e-6) * step) / interval);
+  remove(time, looks, tools, state, change.population);
   if (looks) grow(state, change.population);
+  if (looks && change.population.born == 0) reportArrival(state, change.population);
   if (looks && !has_reported_heap_) {
     const double bonds = model_.meanBonds(state), in_lattice = model_.latticeBonds();
     has_reported_heap_ = bonds > kHeap * in_lattice;
@@ -248,6 +305,34 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
            formatShort(in_lattice) + "; a step costs accordingly (material.bending_rigidity keeps a surface flat)");
   }
   return change;
+}
+
+// Once, when the surface lies on the iso-surface that guides it, or hardly moves elsewhere.
+void ParticleLife::reportArrival(const State& state, Population& changes) {
+  constexpr double kNear = 1.0;   // spacings: what still grows is farther from what is ahead of it
+  constexpr double kSlow = 1e-3;  // spacings between two looks: growing surfaces move a hundred times as fast
+  const model::GuideParams& guide = scene_.oriented_particles.guide;
+  if (has_arrived_ || !guide.grid || state.size() == 0) return;
+  const double spacing = model_.lattice().spacing;
+  double squares = 0.0, largest = 0.0, fastest = 0.0;
+  for (Index i = 0; i < state.size(); ++i) {
+    const double d = std::abs(guide.distance(state.positions[i])) / spacing;
+    squares += d * d;
+    largest = std::max(largest, d);
+    fastest = std::max(fastest, state.velocities[i].norm());
+  }
+  const bool is_near = largest<kNear, has_moved = fastest> 0.0;
+  has_arrived_ = is_near || (has_moved && fastest * scene_.oriented_particles.growth_interval < kSlow * spacing);
+  if (!has_arrived_) return;
+  model_.refreshDisplay(state);
+  const model::ParticleTopology found = model::measureTopology(state.size(), model_.triangles());
+  changes.notice += (changes.notice.empty() ? "" : "; ") +
+                    (is_near ? std::string("the surface has come to the iso-surface: ")
+                             : std::string("the surface hardly moves, and not all of it is at the iso-surface: ")) +
+                    std::to_string(state.size()) + " particles, " + formatShort(std::sqrt(squares / state.size())) +
+                    " spacings from it (rms), " + formatShort(largest) + " at most; components " +
+                    std::to_string(found.components) + ", boundary loops " + std::to_string(found.boundary_loops) +
+                    ", Euler characteristic " + std::to_string(found.euler_characteristic);
 }
 
 void ParticleLife::grow(State& state, Population& changes) {

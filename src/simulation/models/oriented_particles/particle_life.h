@@ -51,9 +51,12 @@ class ParticleLife : public Evolution {
 
   static void takeOut(const std::vector<char>& is_gone, model::State& state, Population& changes);
   void grow(model::State& state, Population& changes);
+  void reportArrival(const model::State& state, Population& changes);
   void requireRoom(const model::State& state, const std::vector<Index>& placed) const;
   void heat(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) const;
-  void remove(double time, const std::vector<tool::ToolParams>& tools, model::State& state, Population& changes) const;
+  void remove(double time, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state,
+              Population& changes) const;
+  void markMeeting(const model::State& state) const;
   void append(const model::NewParticle& particle, model::State& state) const;
   void followBirths(const model::State& state, Index first, const std::vector<model::NewParticle>& born);
   bool cut(double time, double step, const std::vector<tool::ToolParams>& tools, const model::State& state);
@@ -68,6 +71,7 @@ class ParticleLife : public Evolution {
   mutable std::shared_ptr<const Kept> kept_;  // that was given out last
   Points before_;                             // m, when a step with a knife began last
   mutable bool has_reported_debris_ = false, has_reported_heap_ = false;
+  bool has_arrived_ = false;                    // at the iso-surface, or where it hardly moves
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };
 

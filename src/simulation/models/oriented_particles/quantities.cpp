@@ -1,3 +1,4 @@
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
@@ -52,10 +53,24 @@ double countTouching(const model::OrientedParticles& particles, const Simulation
   return static_cast<double>(std::count_if(nearest.begin(), nearest.end(), [&](double d) { return std::abs(d) < on_it; }));
 }
 
+// How far particles are from the iso-surface that guides them, m.
+std::optional<double> measureGuideDistance(const std::string& name, const Simulation& simulation) {
+  const model::GuideParams& guide = simulation.params().oriented_particles.guide;
+  if (!guide.grid) throw InputError(name + ": found no oriented_particles.guide; accepted: one");
+  double largest = 0.0, squares = 0.0;
+  for (const Vec3& p : simulation.state().positions) {
+    const double d = guide.distance(p);
+    largest = std::max(largest, std::abs(d));
+    squares += d * d;
+  }
+  return name == "guide_distance_max" ? largest : std::sqrt(squares / static_cast<double>(simulation.state().size()));
+}
+
 }  // namespace
 
 std::optional<double> findParticleQuantity(const std::string& name, const model::OrientedParticles& particles,
                                            const Simulation& simulation) {
+  if (name.rfind("guide_distance", 0) == 0) return measureGuideDistance(name, simulation);
   if (name == "touching") return countTouching(particles, simulation);
   static const char* const kNames[] = {"components",   "boundary_loops",      "euler_characteristic", "isolated",
                                        "spacing_mean", "spacing_cv",          "spacing_max",          "added",
