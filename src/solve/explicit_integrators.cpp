@@ -193,7 +193,7 @@ void VelocityVerlet::prepare(const System& system, double dt, const State& state
   for (Index k = 0; k < static_cast<Index>(mass_.size()); ++k) mass_[k] = system.isHeld(k / 3) ? 0.0 : masses[k / 3];
   carried_.clear();
   carrying_work_ = stopping_work_ = 0.0;
-  is_part_stopped_.assign(system.motionLimit() ? n : 0, 0);
+  if (system.motionLimit()) bearing_.begin(n);
   for (Index i = 0; i < n; ++i)
     if (system.isHeld(i) && !state.velocities[i].isZero(0.0))
       carried_.push_back({i, state.velocities[i], state.positions[i], Vec3::Zero(), state.positions[i], Vec3::Zero()});
@@ -330,9 +330,9 @@ const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, cons
                                                       double half_decay, bool is_first, const double* force, State& state) {
   const std::vector<Index>& stopped = limit.limit(before_, state.positions, !is_first);
   if (stopped.empty()) return stopped;
+  bearing_.addStopped(limit, stopped);
   double work = 0.0;
   for (const Index i : stopped) {
-    is_part_stopped_[limit.parts()[i]] = 1;
     if (system.isHeld(i)) continue;
     const Vec3 wanted = state.velocities[i], now = (state.positions[i] - before_[i]) / dt,
                kick = kick_[3 * i] * Eigen::Map<const Vec3>(force + 3 * i), damped = (wanted - kick) / half_decay,
@@ -354,28 +354,12 @@ const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, cons
   return stopped;
 }
 
-// Takes the energy that stopping has made in the step from the motion of the stopped parts relative to their mean, which keeps
-// momentum. Places stay as they are. Not in each sub-step: in a jam points move to and fro by a little, and each way back returns
-// what the way out has taken. The parts would halt though nothing had been made.
+// Takes the energy that stopping has made in the step from the parts that were stopped. Not in each sub-step: in a jam points
+// move to and fro by a little, and each way back returns what the way out has taken. The parts would halt though nothing had been
+// made.
 bool VelocityVerlet::removeStoppingWork(const System& system, State& state) {
-  if (!(stopping_work_ > 0.0)) return true;
-  const std::vector<Index>& parts = system.motionLimit()->parts();
-  const auto bears = [&](Index i) { return is_part_stopped_[parts[i]] && !system.isHeld(i); };
-  Vec3 mean = Vec3::Zero();
-  double mass = 0.0, energy = 0.0;
-  for (Index i = 0; i < state.size(); ++i) {
-    if (!bears(i)) continue;
-    mean += system.masses()[i] * state.velocities[i];
-    mass += system.masses()[i];
-  }
-  if (!(mass > 0.0)) return true;  // held points alone were stopped
-  mean /= mass;
-  for (Index i = 0; i < state.size(); ++i)
-    if (bears(i)) energy += 0.5 * system.masses()[i] * (state.velocities[i] - mean).squaredNorm();
-  const double scale = energy > stopping_work_ ? std::sqrt(1.0 - stopping_work_ / energy) : 0.0;
-  for (Index i = 0; i < state.size(); ++i)
-    if (bears(i)) state.velocities[i] = mean + scale * (state.velocities[i] - mean);
-  return scale > 0.0;
+  if (!(stopping_work_ > 0.0) || !bearing_.areAnyFree(system)) return true;
+  return bearing_.take(system, stopping_work_, state) == stopping_work_;
 }
 
 // What stops a point at the end of a step also bears the force on it: the last half kick would give it a wrong velocity.

@@ -67,29 +67,33 @@ bool allFinite(const Points& points) {
   return std::isfinite(sum);
 }
 
+constexpr int kStuck = 3;          // iterations in a row that were shortened and brought nothing
 constexpr double kTooMuch = 1e-6;  // of the kinetic energy: far above rounding
 
-// Removes energy above the limit, J, from the motion of free points relative to their mean. A free body keeps its momentum; a
-// held one has none to keep. Held points keep their velocities. Returns false if a free body's momentum has more.
-bool limitKineticEnergy(const System& system, double limit, State& state) {
-  const double kinetic = system.kineticEnergy(state);
-  if (!(kinetic > limit)) return true;
+bool isAnyHeld(const System& system) {
+  for (Index i = 0; i < system.size(); ++i)
+    if (system.isHeld(i)) return true;
+  return false;
+}
+
+// Removes energy, J, from the motion of free points relative to their mean. A free body keeps its momentum; a held one has none
+// to keep. Held points keep their velocities. Returns false if a free body's momentum has more.
+bool takeFromAll(const System& system, double energy, bool is_any_held, State& state) {
+  const double kinetic = system.kineticEnergy(state), limit = kinetic - energy;
   Vec3 mean = Vec3::Zero();
   double mass = 0.0, kept = 0.0;
-  bool any_held = false;
   for (Index i = 0; i < state.size(); ++i) {
     const double m = system.masses()[i];
     if (system.isHeld(i)) kept += 0.5 * m * state.velocities[i].squaredNorm();
-    any_held = any_held || system.isHeld(i);
     mean += m * state.velocities[i];
     mass += m;
   }
-  mean = any_held ? Vec3::Zero() : Vec3(mean / mass);
-  if (!any_held) kept = 0.5 * mass * mean.squaredNorm();
+  mean = is_any_held ? Vec3::Zero() : Vec3(mean / mass);
+  if (!is_any_held) kept = 0.5 * mass * mean.squaredNorm();
   const double scale = std::sqrt(std::max(0.0, limit - kept) / std::max(kinetic - kept, std::numeric_limits<double>::min()));
   for (Index i = 0; i < state.size(); ++i)
     if (!system.isHeld(i)) state.velocities[i] = mean + std::min(1.0, scale) * (state.velocities[i] - mean);
-  return any_held || kept <= limit + kTooMuch * kinetic;
+  return is_any_held || kept <= limit + kTooMuch * kinetic;
 }
 
 }  // namespace
@@ -121,27 +125,62 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   state.positions = target_;
   if (const MotionLimit* const limit = system.motionLimit()) {
     limit->limit(begin_, guess_, false);
-    limit->limit(begin_, state.positions, false);
+    stopped_.begin(n);
+    stopped_.addStopped(*limit, limit->limit(begin_, state.positions, false));
+    // Parts that nothing stops move on.
+    if (newton_.potential(problem, state) > energy && stopped_.areAnyFree(system)) {
+      for (Index i = 0; i < n; ++i)
+        if (stopped_.contains(system, i)) state.positions[i] = guess_[i];
+      limit->limit(begin_, state.positions, false);
+    }
   }
   if (newton_.potential(problem, state) > energy) state.positions = guess_;
 
   const Index first = report.iterations, last = first + params_.max_iterations;
-  for (;;) {
+  double dropped = 0.0;  // J
+  for (int stuck = 0;;) {
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
     const bool is_enough = report.residual <= enough, is_untouched = report.iterations == first;
     if (is_enough && (!is_untouched || report.residual <= untouched)) break;
     problem.enough = is_enough ? untouched : enough;  // of a direction that is not needed for more than its motion
-    const bool is_over = report.iterations == last || newton_.isInterrupted();
-    if (is_over || newton_.descend(problem, state).fraction == 0.0) {
+    // What contact stops and cannot move on, it bears, once all else is in balance.
+    const bool is_over =
+        report.iterations == last || newton_.isInterrupted() || (stuck >= kStuck && newton_.residualOfOthers(problem) <= enough);
+    NewtonDescent::Step taken{};
+    if (!is_over) taken = newton_.descend(problem, state);
+    if (taken.fraction == 0.0) {
       if (!is_enough) missBalance(scale, report.iterations == last, report);
       break;
     }
     ++report.iterations;
+    dropped += taken.drop;
+    stuck = taken.is_shortened && taken.drop <= params_.tolerance * dropped ? stuck + 1 : 0;
   }
   for (Index i = 0; i < n; ++i)
     state.velocities[i] = system.isHeld(i) ? velocity[i] : ((state.positions[i] - from_[i]) / step).eval();
+}
+
+bool EnergyLimit::apply(const System& system, double time, double step, double limit, bool is_forced, const State& before,
+                        State& state) {
+  double energy = system.kineticEnergy(state) - limit;
+  if (!(energy > 0.0)) return true;
+  // The limit takes loads as moved before the points. Loads that points come to meet do as much work as if moved after them.
+  const auto workOfLoads = [&](const State& at) {
+    return system.loadPotential(time + step, at) - system.loadPotential(time, at);
+  };
+  energy -= std::max(0.0, workOfLoads(state) - workOfLoads(before));
+  if (!(energy > 0.0)) return true;
+  const bool is_any_held = isAnyHeld(system);
+  if (system.motionLimit()) {
+    bearing_.begin(state.size());
+    bearing_.addChanged(system, time, step, before, state);
+    if (bearing_.areAnyFree(system)) energy -= bearing_.take(system, energy, state);
+    if (energy > 0.0 && is_any_held) energy -= bearing_.take(system, energy, state, false);
+    if (!(energy > 0.0) || !is_forced) return !(energy > 0.0);
+  }
+  return takeFromAll(system, energy, is_any_held, state);
 }
 
 SolveReport ImplicitStage::takeEulerStep(const System& system, double time, double step, const State& before, State& state) {
@@ -151,7 +190,7 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   solve(system, time + step, step, before.positions, before.velocities, energy, state, report);
   report.carrying_work = system.workAgainst(time + step, state, before.positions, state.positions);
   const double allowed = energy + std::max(0.0, remainderWork(state)) + *report.carrying_work;
-  limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
+  energy_limit_.apply(system, time, step, allowed - system.potentialEnergy(time + step, state), true, before, state);
   system.remember(time + step, step, state);
   report.finite = allFinite(state.positions);
   return report;
@@ -186,7 +225,8 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   const double allowed = energy + std::max(0.0, work) + *report.carrying_work;
   const double potential = system.potentialEnergy(time + step, state);
   report.finite = allFinite(state.positions);
-  if (report.finite && potential <= allowed && limitKineticEnergy(system, allowed - potential, state)) {
+  if (report.finite && potential <= allowed &&
+      energy_limit_.apply(system, time, step, allowed - potential, false, before_, state)) {
     system.remember(time + step, step, state);
     return report;
   }

@@ -1,11 +1,25 @@
 // Implicit methods: the second-order method of two stages by energy descent, and the static equilibrium.
 #pragma once
 
+#include "bearing_parts.h"
 #include "deformable_surface/solve/integrator.h"
 #include "newton.h"
 #include "quasi_newton.h"
 
 namespace deformable_surface::solve {
+
+/// Removes kinetic energy above a limit from the motion after an implicit step.
+class EnergyLimit {
+ public:
+  /// time: s, at the beginning of the step; limit: J, too strict where loads move and points come to meet them, which is made up
+  /// for. Takes the rest from the parts that meet others (BearingParts), so that the others keep their motion. If these have too
+  /// little: takes it from all if forced, and returns false if not. Where parts are not known: from all. Momentum is kept where
+  /// no point is held; false if that of a free body has more.
+  bool apply(const System& system, double time, double step, double limit, bool is_forced, const State& before, State& state);
+
+ private:
+  BearingParts bearing_;
+};
 
 /// One implicit stage: finds x and v = (x - from) / step with  m (v - velocity) / step = F(time, x, v) - c m v  on the free
 /// points, as the minimum of  w/2 |x - y|^2 + E(x) + U(x),  by Newton steps with line search. A single Newton step would not be
@@ -25,7 +39,7 @@ class ImplicitStage {
   /// One step of implicit Euler from `before`, which equals state. First order, stable at every step, and dissipative: a mode
   /// of frequency w loses the factor (1 + (w h)^2)^(-1/2) per step. Where the energy is not convex between two states (collapse,
   /// buckling) the minimum alone could still gain kinetic energy. Any excess over the energy before plus the work of forces
-  /// without a potential is removed from the motion relative to the mean.
+  /// without a potential is removed (EnergyLimit).
   SolveReport takeEulerStep(const System& system, double time, double step, const State& before, State& state);
 
   /// Work of the forces without a potential from the last solve's `from` to its end, J.
@@ -34,6 +48,8 @@ class ImplicitStage {
  private:
   IntegratorParams params_;
   NewtonDescent newton_;
+  EnergyLimit energy_limit_;
+  BearingParts stopped_;  // at the start of the search
   const std::atomic<bool>* interrupt_ = nullptr;
   Points from_, target_, guess_, begin_;
   std::vector<double> weight_, rounding_;
@@ -41,9 +57,9 @@ class ImplicitStage {
 
 /// Two implicit stages of the same length; the second ends the step. Second order, exact in free fall, stable at every step, and
 /// fast modes still decay [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above its former value plus
-/// the work of forces without a potential: a small excess is removed from the motion relative to the mean. If the potential
-/// alone exceeds it, or that and the motion of a free body as a whole, implicit Euler takes the step. In impacts the second stage
-/// goes on with the force of the first, which can throw a body back faster than it came.
+/// the work of forces without a potential: a small excess is removed (EnergyLimit). Where that is not possible, implicit Euler
+/// takes the step. In impacts the second stage goes on with the force of the first, which can throw a body back faster than it
+/// came.
 class ImplicitSecondOrder : public Integrator {
  public:
   explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params) {}
@@ -51,6 +67,7 @@ class ImplicitSecondOrder : public Integrator {
 
  private:
   ImplicitStage stage_;
+  EnergyLimit energy_limit_;
   State before_;
   Points from_, velocity_;
 };

@@ -19,6 +19,8 @@ constexpr double kForcing = 0.9;          // times the square of the gradient's 
 constexpr double kOversolved = 0.3;       // of the residual that ends the search: more accurate directions bring nothing
 constexpr double kSkew = 1e-3;            // of a direction: the error that is left where the matrix has a skew part
 constexpr int kMostSkew = 50;             // iterations for it; 20 suffice where both parts are equally large
+constexpr double kHardly = 1e-3;          // of a direction: what leads to no descent beyond it holds up the rest
+constexpr std::size_t kMostParts = 32;    // that are then moved one by one
 constexpr int kMaxShortenings = 30;       // of a direction that stops points; beyond it there is none
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
@@ -172,34 +174,49 @@ void NewtonDescent::solveByProducts(const Problem& problem, const State& state) 
   if (found.allFinite()) direction_ = found;
 }
 
-double NewtonDescent::findSlope() const {
+template <class Counts>
+double NewtonDescent::findSlope(const Counts& counts) const {
   double slope = 0.0;
-  for (std::size_t i = 0; i < gradient_.size(); ++i) slope += gradient_[i].dot(direction_.segment<3>(3 * i));
+  for (Index i = 0; i < static_cast<Index>(gradient_.size()); ++i)
+    if (counts(i)) slope += gradient_[i].dot(direction_.segment<3>(3 * i));
   return slope;
 }
 
-// Points that are stopped short keep their motion along the obstacle. If that leads uphill, the whole direction is shortened,
-// until it stops no point.
+double NewtonDescent::residualOfOthers(const Problem& problem) const {
+  double residual = 0.0;
+  for (std::size_t i = 0; i < gradient_.size(); ++i)
+    if (!stopped_.contains(problem.system, static_cast<Index>(i)) && !(gradient_[i].norm() <= problem.rounding[i]))
+      residual = std::max(residual, gradient_[i].norm());
+  return residual;
+}
+
+const std::vector<Index>& NewtonDescent::stop(const System& system, const Points& positions) {
+  reached_ = positions;
+  for (Index i = 0; i < system.size(); ++i)
+    if (!system.isHeld(i)) reached_[i] += direction_.segment<3>(3 * i);
+  const std::vector<Index>& stopped = system.motionLimit()->limit(positions, reached_, false);
+  stopped_.addStopped(*system.motionLimit(), stopped);
+  return stopped;
+}
+
+// Points that are stopped short keep their motion along the obstacle. If that leads uphill, the direction of their parts is
+// shortened, until it stops no point.
 bool NewtonDescent::shorten(const System& system, const Points& positions) {
   const Index n = static_cast<Index>(positions.size());
-  const auto advance = [&]() -> const std::vector<Index>& {
-    reached_ = positions;
-    for (Index i = 0; i < n; ++i)
-      if (!system.isHeld(i)) reached_[i] += direction_.segment<3>(3 * i);
-    return system.motionLimit()->limit(positions, reached_, false);
-  };
-  const std::vector<Index>& stopped = advance();
+  stopped_.begin(n);
+  const std::vector<Index>& stopped = stop(system, positions);
   if (stopped.empty()) return false;
   solution_ = direction_;
   for (const Index i : stopped) direction_.segment<3>(3 * i) = reached_[i] - positions[i];
-  if (findSlope() < 0.0) return true;
+  if (findSlope([&](Index i) { return stopped_.contains(system, i); }) < 0.0) return true;
   double share = 1.0;
-  for (int halving = 0; halving < kMaxShortenings; ++halving) {
-    share *= 0.5;
-    direction_ = share * solution_;
-    if (advance().empty()) return true;
+  for (int halving = 0; halving <= kMaxShortenings; ++halving) {
+    share = halving < kMaxShortenings ? 0.5 * share : 0.0;
+    direction_ = solution_;
+    for (Index i = 0; i < n; ++i)
+      if (stopped_.contains(system, i)) direction_.segment<3>(3 * i) *= share;
+    if (stop(system, positions).empty()) break;
   }
-  direction_.setZero();
   return true;
 }
 
@@ -222,25 +239,58 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
       solveFactored(problem, state);
   }
   last_residual_ = residual_;
-  double slope = findSlope();
-  if (system.motionLimit() && slope < 0.0 && shorten(system, state.positions)) {
+  const auto all = [](Index) { return true; };
+  double slope = findSlope(all);
+  const bool is_shortened = system.motionLimit() && slope < 0.0 && shorten(system, state.positions);
+  if (is_shortened) {
     is_factor_good_ = false;
-    slope = findSlope();
+    slope = findSlope(all);
   }
-  if (!(slope < 0.0)) return {0.0, false};
+  Step taken = slope < 0.0 ? search(problem, slope, tentative, state) : Step{0.0, false};
+  taken.is_shortened = is_shortened;
+  if (system.motionLimit() && taken.fraction < kHardly) moveByParts(problem, state, taken);
+  return taken;
+}
 
-  // The line search. Rounding of the energy must not hide the last decrease: a change within rounding counts as descending.
+// Parts that lead to no descent must not hold up the others: each moves by itself.
+void NewtonDescent::moveByParts(const Problem& problem, State& state, Step& taken) {
+  const System& system = problem.system;
+  const std::vector<Index>& parts = system.motionLimit()->parts();
+  if (!taken.is_shortened) stopped_.begin(state.size());
+  taken.is_shortened = true;
+  listed_parts_.clear();
+  for (Index i = 0; i < state.size(); ++i)
+    if (!system.isHeld(i) && !stopped_.contains(system, i)) listed_parts_.push_back(parts[i]);
+  std::sort(listed_parts_.begin(), listed_parts_.end());
+  listed_parts_.erase(std::unique(listed_parts_.begin(), listed_parts_.end()), listed_parts_.end());
+  if (listed_parts_.size() > kMostParts) return;
+  solution_ = direction_;
+  for (const Index part : listed_parts_) {
+    direction_ = solution_;
+    for (Index i = 0; i < state.size(); ++i)
+      if (parts[i] != part) direction_.segment<3>(3 * i).setZero();
+    const double slope = findSlope([&](Index i) { return parts[i] == part; });
+    if (!(slope < 0.0) || !stop(system, state.positions).empty()) continue;
+    const Step step = search(problem, slope, false, state);
+    if (step.fraction < kHardly) stopped_.addPart(part);
+    taken.fraction = std::max(taken.fraction, step.fraction);
+    taken.drop += step.drop;
+  }
+}
+
+// The line search. Rounding of the energy must not hide the last decrease: a change within rounding counts as descending.
+NewtonDescent::Step NewtonDescent::search(const Problem& problem, double slope, bool tentative, State& state) {
   start_ = state.positions;
   const double before = merit(problem, state);
   const double rounding = 1e-14 * std::abs(before);
   double fraction = 1.0;
   for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
-    for (Index i = 0; i < n; ++i)
-      if (!system.isHeld(i)) state.positions[i] = start_[i] + fraction * direction_.segment<3>(3 * i);
+    for (Index i = 0; i < state.size(); ++i)
+      if (!problem.system.isHeld(i)) state.positions[i] = start_[i] + fraction * direction_.segment<3>(3 * i);
     const double after = merit(problem, state);
     is_factor_good_ = is_factor_good_ && halving == 0 && after <= before + rounding;
-    if (after <= before + kArmijo * fraction * slope + rounding) return {fraction, false};
-    if (tentative && halving == 0 && std::isfinite(after)) return {fraction, true};
+    if (after <= before + kArmijo * fraction * slope + rounding) return {fraction, false, false, before - after};
+    if (tentative && halving == 0 && std::isfinite(after)) return {fraction, true, false, before - after};
   }
   state.positions = start_;
   return {0.0, false};

@@ -1,6 +1,7 @@
 // One projected Newton iteration with line search, shared by the implicit step and the static solution.
 #pragma once
 
+#include "bearing_parts.h"
 #include "deformable_surface/linear/block_cholesky.h"
 #include "deformable_surface/solve/system.h"
 #include "product_solver.h"
@@ -48,10 +49,16 @@ class NewtonDescent {
   /// several such steps in a row had no definite matrix, a multiple of the masses is added to the exact one: the projected
   /// matrix hardly leaves a saddle.
   struct Step {
-    double fraction;  // of the direction; 0 if no descent was found (the state is then unchanged)
-    bool raised;      // Phi did not fall by the rule
+    double fraction;            // of the direction; 0 if no descent was found (the state is then unchanged)
+    bool raised;                // Phi did not fall by the rule
+    bool is_shortened = false;  // in parts that were stopped or led to no descent
+    double drop = 0.0;          // J, of Phi
   };
   Step descend(const Problem& problem, State& state, bool tentative = false);
+
+  /// After evaluate(): the unbalanced force, N, on the other parts than those that held up the last descend(), which shortened
+  /// its step.
+  double residualOfOthers(const Problem& problem) const;
 
   /// Work of the forces without a potential, as the last evaluate() found them, from `before` (n x 3) to state, J.
   double remainderWork(const Points& before, const State& state) const;
@@ -66,10 +73,17 @@ class NewtonDescent {
   bool factorize(const Problem& problem, const State& state, model::Hessian hessian);
   /// Adds shift_ times the masses to the exact matrix, which was not definite; false if that is not enough.
   bool factorizeShifted(const System& system);
-  /// Slope of Phi along the direction, N m.
-  double findSlope() const;
-  /// Shortens the direction by the system's limit of motion. Returns whether it was too long.
+  /// Slope of Phi along the direction of the points that count, N m. counts(point).
+  template <class Counts>
+  double findSlope(const Counts& counts) const;
+  /// Shortens the direction by the system's limit of motion, in the parts that it stops. Returns whether it was too long.
   bool shorten(const System& system, const Points& positions);
+  /// Where hardly anything of the direction was taken.
+  void moveByParts(const Problem& problem, State& state, Step& taken);
+  /// Limits the motion along the direction, to reached_. Returns the points that are stopped.
+  const std::vector<Index>& stop(const System& system, const Points& positions);
+  /// The line search along the direction.
+  Step search(const Problem& problem, double slope, bool tentative, State& state);
   /// Solves with the factor. Where the result is not finite, direction_ stays the steepest descent.
   void solveFactored(const Problem& problem, const State& state);
   /// Multiplies the vector by the inverse of the matrix without its skew part.
@@ -84,6 +98,8 @@ class NewtonDescent {
   double potential_ = 0.0;           // J, at
   Points potential_at_;
   Points gradient_, conservative_, forces_, remainder_, remainder_there_, start_, reached_, rank_one_;
+  BearingParts stopped_;  // in the last direction that was shortened
+  std::vector<Index> listed_parts_;
   bool has_remainder_ = false;                       // any of L is not zero
   Eigen::VectorXd direction_, solution_, response_;  // (3 n)
   BlockSparse stiffness_;
