@@ -10,8 +10,13 @@ constexpr double kMuch = 0.01;  // of what all parts have gained or lost: smalle
 
 }  // namespace
 
+void BearingParts::begin(const System& system) {
+  bears_.assign(system.size(), 0);
+  parts_ = system.motionLimit() ? &system.motionLimit()->parts() : &linked_;
+  if (!system.motionLimit()) system.labelParts(linked_);
+}
+
 void BearingParts::addChanged(const System& system, double time, double step, const State& before, const State& after) {
-  const std::vector<Index>& parts = system.motionLimit()->parts();
   system.computeForces(time, before, forces_before_);
   system.computeForces(time + step, after, forces_after_);
   gains_.assign(after.size(), 0.0);
@@ -19,7 +24,7 @@ void BearingParts::addChanged(const System& system, double time, double step, co
     if (system.isHeld(i)) continue;
     const Vec3 impulse = 0.5 * step * (forces_before_[i] + forces_after_[i]),
                gained = system.masses()[i] * (after.velocities[i] - before.velocities[i]);
-    gains_[parts[i]] += 0.5 * (gained - impulse).dot(before.velocities[i] + after.velocities[i]);
+    gains_[(*parts_)[i]] += 0.5 * (gained - impulse).dot(before.velocities[i] + after.velocities[i]);
   }
   double all = 0.0;
   for (const double gain : gains_) all += std::abs(gain);

@@ -8,11 +8,11 @@
 
 namespace deformable_surface::solve {
 
-/// Parts are those of the system's MotionLimit.
+/// Parts are those of the system's MotionLimit; without one, those that links connect.
 class BearingParts {
  public:
-  /// None of n points.
-  void begin(Index n) { bears_.assign(n, 0); }
+  /// None. Labels the parts if the system has no MotionLimit.
+  void begin(const System& system);
   /// stopped: points, as MotionLimit::limit() returns them.
   void addStopped(const MotionLimit& limit, const std::vector<Index>& stopped) {
     for (const Index i : stopped) bears_[limit.parts()[i]] = 1;
@@ -22,9 +22,7 @@ class BearingParts {
   /// of a step, explains: parts that meet others. time: s, at its beginning.
   void addChanged(const System& system, double time, double step, const State& before, const State& after);
   /// Whether a point is free and belongs to them.
-  bool contains(const System& system, Index i) const {
-    return bears_[system.motionLimit()->parts()[i]] != 0 && !system.isHeld(i);
-  }
+  bool contains(const System& system, Index i) const { return bears_[(*parts_)[i]] != 0 && !system.isHeld(i); }
   /// Whether any free point belongs to them.
   bool areAnyFree(const System& system) const;
   /// Takes energy, J, from the motion of their free points, relative to the mean of these if momentum is kept. Places stay.
@@ -32,9 +30,11 @@ class BearingParts {
   double take(const System& system, double energy, State& state, bool keeps_momentum = true) const;
 
  private:
-  std::vector<char> bears_;              // (n) by number of the part
-  std::vector<double> gains_;            // (n) J, the same
-  Points forces_before_, forces_after_;  // N
+  const std::vector<Index>* parts_ = nullptr;  // (n) of each point: the number of its part
+  std::vector<Index> linked_;                  // (n) the same, if the system does not know it
+  std::vector<char> bears_;                    // (n) by number of the part
+  std::vector<double> gains_;                  // (n) J, the same
+  Points forces_before_, forces_after_;        // N
 };
 
 }  // namespace deformable_surface::solve

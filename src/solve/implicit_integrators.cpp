@@ -125,7 +125,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   state.positions = target_;
   if (const MotionLimit* const limit = system.motionLimit()) {
     limit->limit(begin_, guess_, false);
-    stopped_.begin(n);
+    stopped_.begin(system);
     stopped_.addStopped(*limit, limit->limit(begin_, state.positions, false));
     // Parts that nothing stops move on.
     if (newton_.potential(problem, state) > energy && stopped_.areAnyFree(system)) {
@@ -173,13 +173,11 @@ bool EnergyLimit::apply(const System& system, double time, double step, double l
   energy -= std::max(0.0, workOfLoads(state) - workOfLoads(before));
   if (!(energy > 0.0)) return true;
   const bool is_any_held = isAnyHeld(system);
-  if (system.motionLimit()) {
-    bearing_.begin(state.size());
-    bearing_.addChanged(system, time, step, before, state);
-    if (bearing_.areAnyFree(system)) energy -= bearing_.take(system, energy, state);
-    if (energy > 0.0 && is_any_held) energy -= bearing_.take(system, energy, state, false);
-    if (!(energy > 0.0) || !is_forced) return !(energy > 0.0);
-  }
+  bearing_.begin(system);
+  bearing_.addChanged(system, time, step, before, state);
+  if (bearing_.areAnyFree(system)) energy -= bearing_.take(system, energy, state);
+  if (energy > 0.0 && is_any_held) energy -= bearing_.take(system, energy, state, false);
+  if (!(energy > 0.0) || !is_forced) return !(energy > 0.0);
   return takeFromAll(system, energy, is_any_held, state);
 }
 

@@ -13,7 +13,7 @@ class EnergyLimit {
  public:
   /// time: s, at the beginning of the step; limit: J, too strict where loads move and points come to meet them, which is made up
   /// for. Takes the rest from the parts that meet others (BearingParts), so that the others keep their motion. If these have too
-  /// little: takes it from all if forced, and returns false if not. Where parts are not known: from all. Momentum is kept where
+  /// little: takes it from all if forced, and returns false if not. Momentum is kept where
   /// no point is held; false if that of a free body has more.
   bool apply(const System& system, double time, double step, double limit, bool is_forced, const State& before, State& state);
 

@@ -203,7 +203,7 @@ const std::vector<Index>& NewtonDescent::stop(const System& system, const Points
 // shortened, until it stops no point.
 bool NewtonDescent::shorten(const System& system, const Points& positions) {
   const Index n = static_cast<Index>(positions.size());
-  stopped_.begin(n);
+  stopped_.begin(system);
   const std::vector<Index>& stopped = stop(system, positions);
   if (stopped.empty()) return false;
   solution_ = direction_;
@@ -256,7 +256,7 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
 void NewtonDescent::moveByParts(const Problem& problem, State& state, Step& taken) {
   const System& system = problem.system;
   const std::vector<Index>& parts = system.motionLimit()->parts();
-  if (!taken.is_shortened) stopped_.begin(state.size());
+  if (!taken.is_shortened) stopped_.begin(system);
   taken.is_shortened = true;
   listed_parts_.clear();
   for (Index i = 0; i < state.size(); ++i)

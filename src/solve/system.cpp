@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace deformable_surface::solve {
 namespace {
@@ -143,6 +144,22 @@ double System::findCarriedStrain(const Points& before, const Points& after) cons
     if (squared > 0.0) largest = std::max(largest, ((after[i] - before[i]) - (after[j] - before[j])).squaredNorm() / squared);
   }
   return std::sqrt(largest);
+}
+
+void System::labelParts(std::vector<Index>& parts) const {
+  const auto& links = stretchLinksOf(model_);
+  parts.assign(size(), 0);
+  if (links.empty()) return;
+  std::iota(parts.begin(), parts.end(), 0);
+  const auto findFirst = [&](Index i) {
+    while (parts[i] != i) i = parts[i] = parts[parts[i]];
+    return i;
+  };
+  for (const auto& [i, j] : links) {
+    const Index one = findFirst(i), other = findFirst(j);
+    parts[std::max(one, other)] = std::min(one, other);
+  }
+  for (Index i = 0; i < size(); ++i) parts[i] = findFirst(i);
 }
 
 bool System::hasCarried(const Points& before, const Points& after) const {

@@ -21,7 +21,7 @@ class NoLimit : public solve::MotionLimit {
 struct World {
   World() : model({0.0, 0.0, 0.0, 0.0}, 2.0), system(model, loads, held, 0.0), limit({0, 0, 2, 3}) {
     system.setMotionLimit(&limit);
-    bearing.begin(4);
+    bearing.begin(system);
   }
   Oscillators model;
   std::vector<const solve::ExternalLoad*> loads;

@@ -145,6 +145,9 @@ class System {
   /// share of their distance before.
   double findCarriedStrain(const Points& before, const Points& after) const;
 
+  /// Of each point: the first point of those that the model's links connect it to. All 0 in models without links.
+  void labelParts(std::vector<Index>& parts) const;
+
   /// Upper bound by Gershgorin's theorem of the largest rate of the damping that depends on velocity, 1/s.
   double dampingRate(double time, const State& state) const;
   /// Upper bound of the largest stiffness of the loads over its mass, 1/s^2.
