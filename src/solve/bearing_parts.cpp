@@ -12,8 +12,9 @@ constexpr double kMuch = 0.01;  // of what all parts have gained or lost: smalle
 
 void BearingParts::begin(const System& system) {
   bears_.assign(system.size(), 0);
-  parts_ = system.motionLimit() ? &system.motionLimit()->parts() : &linked_;
-  if (!system.motionLimit()) system.labelParts(linked_);
+  const MotionLimit* const limit = system.motionLimit();
+  parts_ = limit && !limit->parts().empty() ? &limit->parts() : &linked_;
+  if (parts_ == &linked_) system.labelParts(linked_);
 }
 
 void BearingParts::addChanged(const System& system, double time, double step, const State& before, const State& after) {

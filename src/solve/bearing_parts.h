@@ -8,11 +8,13 @@
 
 namespace deformable_surface::solve {
 
-/// Parts are those of the system's MotionLimit; without one, those that links connect.
+/// Parts are those of the system's MotionLimit; where it tells none, those that links connect.
 class BearingParts {
  public:
-  /// None. Labels the parts if the system has no MotionLimit.
+  /// None. Labels the parts where no MotionLimit tells them.
   void begin(const System& system);
+  /// (n) of each point: the number of its part, below n.
+  const std::vector<Index>& parts() const { return *parts_; }
   /// stopped: points, as MotionLimit::limit() returns them.
   void addStopped(const MotionLimit& limit, const std::vector<Index>& stopped) {
     for (const Index i : stopped) bears_[limit.parts()[i]] = 1;
@@ -30,11 +32,11 @@ class BearingParts {
   double take(const System& system, double energy, State& state, bool keeps_momentum = true) const;
 
  private:
-  const std::vector<Index>* parts_ = nullptr;  // (n) of each point: the number of its part
-  std::vector<Index> linked_;                  // (n) the same, if the system does not know it
-  std::vector<char> bears_;                    // (n) by number of the part
-  std::vector<double> gains_;                  // (n) J, the same
-  Points forces_before_, forces_after_;        // N
+  const std::vector<Index>* parts_ = nullptr;
+  std::vector<Index> linked_;            // (n) these, where links tell them
+  std::vector<char> bears_;              // (n) by number of the part
+  std::vector<double> gains_;            // (n) J, the same
+  Points forces_before_, forces_after_;  // N
 };
 
 }  // namespace deformable_surface::solve

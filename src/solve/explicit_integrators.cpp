@@ -193,7 +193,7 @@ void VelocityVerlet::prepare(const System& system, double dt, const State& state
   for (Index k = 0; k < static_cast<Index>(mass_.size()); ++k) mass_[k] = system.isHeld(k / 3) ? 0.0 : masses[k / 3];
   carried_.clear();
   carrying_work_ = stopping_work_ = 0.0;
-  if (system.motionLimit()) bearing_.begin(system);
+  if (system.motionLimit() && !system.motionLimit()->parts().empty()) bearing_.begin(system);
   for (Index i = 0; i < n; ++i)
     if (system.isHeld(i) && !state.velocities[i].isZero(0.0))
       carried_.push_back({i, state.velocities[i], state.positions[i], Vec3::Zero(), state.positions[i], Vec3::Zero()});

@@ -255,8 +255,8 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
 // Parts that lead to no descent must not hold up the others: each moves by itself.
 void NewtonDescent::moveByParts(const Problem& problem, State& state, Step& taken) {
   const System& system = problem.system;
-  const std::vector<Index>& parts = system.motionLimit()->parts();
   if (!taken.is_shortened) stopped_.begin(system);
+  const std::vector<Index>& parts = stopped_.parts();
   taken.is_shortened = true;
   listed_parts_.clear();
   for (Index i = 0; i < state.size(); ++i)

@@ -16,7 +16,7 @@ class MotionLimit {
   /// points, ascending; valid until the next call.
   virtual const std::vector<Index>& limit(const Points& before, Points& after, bool continues) const = 0;
   /// (n) of each point: the number, below n, of the connected part to which it belongs. Parts without stopped points bear nothing
-  /// of what stopping does to energy.
+  /// of what stopping does to energy. Empty where no point is ever stopped.
   virtual const std::vector<Index>& parts() const = 0;
 };
 
