@@ -207,7 +207,7 @@ void addOurs(const Scene& scene, const char* name, model::Bending bending, int s
   watch(
       std::string("deformable_surface, ") + name, std::to_string(steps) + " steps", takeFrame,
       [&] { return sheet.state().positions; },
-      Measures(scene, simulation::chooseContactTriangles(sheet.state().positions, trianglesOf(sheet.model()))), scene, report);
+      Measures(scene, simulation::ContactSkin(sheet.state().positions, trianglesOf(sheet.model())).triangles), scene, report);
 }
 
 #ifdef DEFORMABLE_SURFACE_WITH_BULLET

@@ -12,21 +12,9 @@
 #include <memory>
 #include <vector>
 
+#include "contact_skin.h"
+
 namespace deformable_surface::simulation {
-
-/// The triangles without those that overlap others at rest, (n) m. Delaunay cells of more than three corners hold several
-/// triangulations: one of them is kept. At edges of scattered points, long triangles may lie across others: they are left out.
-std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const std::vector<model::WeightedTriangle>& triangles);
-
-/// What touches itself, chosen at rest before any cut.
-struct ContactSkin {
-  /// rest: (n) m; triangles: of the whole surface.
-  ContactSkin(const Points& rest, const std::vector<model::WeightedTriangle>& triangles);
-
-  std::vector<contact::Triangle> triangles;
-  double share_without;  // of the surface's area that these do not have, 0 to 1. Large where triangles overlap that the model
-                         // keeps: between layers nearer than two spacings or so, and on very uneven clouds
-};
 
 /// m: contact.thickness, or what `auto` stands for.
 double findContactThickness(const SceneParams& params, const RestSurface& rest);

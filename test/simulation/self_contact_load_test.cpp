@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <set>
 
 #include "../support/contact_scenes.h"
 #include "../support/crossings.h"
@@ -35,8 +34,7 @@ struct Outcome {
 Outcome simulate(const ContactScene& scene) {
   Outcome seen;
   Simulation s(scene.params, scene.cloud);
-  const std::vector<contact::Triangle> triangles =
-      simulation::chooseContactTriangles(s.state().positions, trianglesOf(s.model()));
+  const std::vector<contact::Triangle> triangles = simulation::ContactSkin(s.state().positions, trianglesOf(s.model())).triangles;
   const int steps = static_cast<int>(std::lround(scene.params.duration / scene.params.integrator.time_step));
   for (int k = 0; k < steps; ++k) {
     const simulation::StepOutcome outcome = s.step();
@@ -56,6 +54,33 @@ TEST(SelfContactLoad, AFoldedTowelDoesNotCrossItself) {
   EXPECT_GT(with.touched, 10);
   scene.params.contact.self = false;
   EXPECT_GT(simulate(scene).crossed, 10);
+}
+
+// Checked by the model's own triangles within a layer, not by those of contact.
+TEST(SelfContactLoad, LayersThatPinsPullBetweenCylindersDoNotCross) {
+  const auto countCrossedSteps = [](ContactScene scene, bool self) {
+    scene.params.contact.self = self;
+    Simulation s(scene.params, scene.cloud);
+    const Points rest = s.state().positions;
+    const auto isUpper = [&](Index v) { return rest[v].z() > 0.0; };
+    std::vector<contact::Triangle> within;
+    for (const model::WeightedTriangle& t : trianglesOf(s.model()))
+      if (t.weight > 0.99 && std::count_if(t.corner, t.corner + 3, isUpper) % 3 == 0)
+        within.push_back({t.corner[0], t.corner[1], t.corner[2]});
+    int crossed = 0;
+    for (int k = 0; k < 80; ++k) {
+      run(s, 1);
+      const auto crossings = findCrossings(s.state().positions, within);
+      crossed += std::any_of(crossings.begin(), crossings.end(),
+                             [&](const auto& pair) { return isUpper(within[pair.first][0]) != isUpper(within[pair.second][0]); });
+    }
+    return crossed;
+  };
+  for (const std::uint32_t seed : {1u, 7u}) {
+    const ContactScene scene = ContactSceneMaker(seed).pulledLayers();
+    EXPECT_EQ(countCrossedSteps(scene, true), 0) << seed;
+    EXPECT_GT(countCrossedSteps(scene, false), 10) << seed;
+  }
 }
 
 // By default there is contact where it costs little: on surfaces that lie open.
@@ -156,15 +181,15 @@ TEST(SelfContactLoad, WhatHasNoContactIsTold) {
 TEST(SelfContactLoad, OfTrianglesThatPassThroughTheirNeighboursTheLargerHasNoContact) {
   const Points rest = {Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.5, 0.5, 0.3), Vec3(0.1, 0.1, -0.3)};
   const std::vector<model::WeightedTriangle> triangles = {{{0, 1, 2}, 1.0}, {{0, 3, 4}, 1.0}};
-  const std::vector<contact::Triangle> chosen = simulation::chooseContactTriangles(rest, triangles);
+  const std::vector<contact::Triangle> chosen = simulation::ContactSkin(rest, triangles).triangles;
   ASSERT_EQ(chosen.size(), 1u);
   EXPECT_EQ(chosen[0], (contact::Triangle{0, 3, 4}));
   // The edge is that of the larger triangle.
   const Points long_edge = {rest[0], rest[1], rest[2], Vec3(1.7, 1.7, 1.5), Vec3(-1.1, -1.1, -1.5)};
-  EXPECT_EQ(simulation::chooseContactTriangles(long_edge, triangles), (std::vector<contact::Triangle>{{0, 1, 2}}));
+  EXPECT_EQ(simulation::ContactSkin(long_edge, triangles).triangles, (std::vector<contact::Triangle>{{0, 1, 2}}));
   // Without a common vertex they may be two layers.
   const Points apart = {rest[0], rest[1], rest[2], rest[3], rest[4], Vec3(0.5, 0.2, 0.5)};
-  EXPECT_EQ(simulation::chooseContactTriangles(apart, {{{0, 1, 2}, 1.0}, {{3, 4, 5}, 1.0}}).size(), 2u);
+  EXPECT_EQ(simulation::ContactSkin(apart, {{{0, 1, 2}, 1.0}, {{3, 4, 5}, 1.0}}).triangles.size(), 2u);
 }
 
 TEST(SelfContactLoad, AThicknessOfSpacingsIsWarnedOf) {
@@ -436,27 +461,26 @@ TEST(SelfContactLoad, WhereNothingComesNearTheBitsAreThoseWithoutContact) {
 }
 
 // The triangles that are still part of the surface.
-std::vector<contact::Triangle> findWhole(const std::vector<contact::Triangle>& all, const model::DeformableModel& model) {
-  std::set<contact::Triangle> present;
-  for (const model::WeightedTriangle& t : trianglesOf(model)) present.insert({t.corner[0], t.corner[1], t.corner[2]});
+std::vector<contact::Triangle> listWhole(const simulation::ContactSkin& skin, const model::DeformableModel& model) {
+  const std::vector<char> is_whole = skin.findWhole(trianglesOf(model));
   std::vector<contact::Triangle> whole;
-  for (const contact::Triangle& t : all)
-    if (present.count(t) > 0) whole.push_back(t);
+  for (std::size_t t = 0; t < is_whole.size(); ++t)
+    if (is_whole[t] != 0) whole.push_back(skin.triangles[t]);
   return whole;
 }
 
 // The number of triangles that are cut or torn, and the largest number of contacts, in a run in which nothing may cross.
 std::pair<std::size_t, Index> runWithCuts(const ContactScene& scene, int steps) {
   Simulation s(scene.params, scene.cloud);
-  const std::vector<contact::Triangle> all = simulation::chooseContactTriangles(s.state().positions, trianglesOf(s.model()));
+  const simulation::ContactSkin skin(s.state().positions, trianglesOf(s.model()));
   std::size_t cut = 0;
   Index touched = 0;
   for (int k = 0; k < steps; ++k) {
     const simulation::StepOutcome outcome = s.step();
     EXPECT_TRUE(outcome.ok) << k << ": " << outcome.problem;
     if (!outcome.ok) break;
-    const std::vector<contact::Triangle> whole = findWhole(all, s.model());
-    cut = std::max(cut, all.size() - whole.size());
+    const std::vector<contact::Triangle> whole = listWhole(skin, s.model());
+    cut = std::max(cut, skin.triangles.size() - whole.size());
     EXPECT_TRUE(findCrossings(s.state().positions, whole).empty()) << k;
     touched = std::max(touched, static_cast<Index>(s.statistics().self_contacts));
   }

@@ -162,7 +162,7 @@ TEST(SleepingParts, WhatSleepsIsWokenByWhatComesToTouchIt) {
     p.contact.self = is_on;
     Simulation s(p, cloud);
     const std::vector<contact::Triangle> triangles =
-        simulation::chooseContactTriangles(s.state().positions, trianglesOf(s.model()));
+        simulation::ContactSkin(s.state().positions, trianglesOf(s.model())).triangles;
     int in_parts = 0, crossed = 0;
     bool has_touched = false, sleeps_too_long = false;
     for (int k = 0; k < 150; ++k) {

@@ -58,7 +58,7 @@ Tangle makeTangle(const SceneParams& scene, double angle, const Vec3& to) {
   model::State state = s.state();
   state.positions = makeSheets(turnBy(angle), to);
   s.setState(state);
-  std::vector<contact::Triangle> triangles = simulation::chooseContactTriangles(cloud.positions, trianglesOf(s.model()));
+  std::vector<contact::Triangle> triangles = simulation::ContactSkin(cloud.positions, trianglesOf(s.model())).triangles;
   return {std::move(s), std::move(triangles)};
 }
 

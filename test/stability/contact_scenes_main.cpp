@@ -7,9 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <iterator>
 #include <limits>
-#include <set>
 #include <string>
 
 #include "../../src/simulation/self_contact_load.h"
@@ -32,11 +30,11 @@ struct Row {
   std::string refused;
 };
 
-std::vector<contact::Triangle> findWhole(const std::vector<contact::Triangle>& all, const model::DeformableModel& model) {
-  std::set<contact::Triangle> present;
-  for (const model::WeightedTriangle& t : trianglesOf(model)) present.insert({t.corner[0], t.corner[1], t.corner[2]});
+std::vector<contact::Triangle> listWhole(const simulation::ContactSkin& skin, const model::DeformableModel& model) {
+  const std::vector<char> is_whole = skin.findWhole(trianglesOf(model));
   std::vector<contact::Triangle> whole;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(whole), [&](const auto& t) { return present.count(t) > 0; });
+  for (std::size_t t = 0; t < is_whole.size(); ++t)
+    if (is_whole[t] != 0) whole.push_back(skin.triangles[t]);
   return whole;
 }
 
@@ -44,8 +42,8 @@ Row run(const ContactScene& scene, bool looks) {
   Row row;
   Simulation s(scene.params, scene.cloud);
   row.points = s.state().size();
-  const std::vector<contact::Triangle> all = simulation::chooseContactTriangles(s.state().positions, trianglesOf(s.model()));
-  const auto at_rest = findCrossings(s.state().positions, all);
+  const simulation::ContactSkin skin(s.state().positions, trianglesOf(s.model()));
+  const auto at_rest = findCrossings(s.state().positions, skin.triangles);
   row.skipped_crossings = static_cast<Index>(at_rest.size());
   const Index steps = std::lround(scene.params.duration / scene.params.integrator.time_step);
   double stored = 0.0;  // J
@@ -59,7 +57,7 @@ Row run(const ContactScene& scene, bool looks) {
     }
     if (!looks) continue;
     Index crossings = 0;
-    for (const auto& pair : findCrossings(s.state().positions, findWhole(all, s.model())))
+    for (const auto& pair : findCrossings(s.state().positions, listWhole(skin, s.model())))
       crossings += !std::binary_search(at_rest.begin(), at_rest.end(), pair);
     row.crossed_steps += crossings > 0;
     row.most_crossings = std::max(row.most_crossings, crossings);

@@ -308,6 +308,32 @@ class ContactSceneMaker {
     grip(hand);
     return finish();
   }
+  /// Pins pull two layers, one to three spacings apart, to and fro between two cylinders.
+  ContactScene pulledLayers() {
+    scene_.params.gravity.setZero();
+    scene_.params.material.thickness = draw(0.05, 0.4) * side_ / (across_ - 1.0);
+    const double gap = draw(1.2, 3.0) * side_ / (across_ - 1.0);
+    jitter_ = draw(0.2, 0.4);
+    for (const double side : {-1.0, 1.0}) {
+      addSheet(side_, 0.5 * side_, 0.0, Mat3::Identity(), Vec3(0.0, 0.0, 0.5 * side * gap));
+      tool::ToolParams roll = makeTool(side > 0.0 ? "upper" : "lower", geometry::Solid::Kind::kCylinder);
+      roll.shape.radius = draw(0.015, 0.03);
+      roll.shape.height = side_;
+      roll.friction = 0.2;
+      const Vec4 lies(std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5));
+      const Vec3 middle(draw(0.4, 0.6) * side_, 0.0, 0.0), out = side * Vec3::UnitZ();
+      roll.path = {{0.0, middle + (roll.shape.radius + gap) * out, lies},
+                   {0.1, middle + (roll.shape.radius + draw(0.0, 0.6) * scene_.params.material.thickness) * out, lies}};
+      scene_.params.tools.push_back(roll);
+      for (const double end : {0.0, side_}) {
+        const Vec3 way(draw(-0.05, 0.15) * (end > 0.0 ? 1.0 : -1.0), 0.0, draw(-0.05, 0.05)), at(end, 0.0, 0.0);
+        addPin(end, {{0.1, at, kUpright}, {0.1 + way.norm() / drawLogarithmic(0.1, 1.0), at + way, kUpright}});
+        (side > 0.0 ? scene_.params.pins.back().region.min : scene_.params.pins.back().region.max).z() = 0.0;
+      }
+    }
+    scene_.params.duration = 0.4;
+    return finish();
+  }
 
  private:
   static inline const Vec4 kUpright{0.0, 0.0, 0.0, 1.0};
@@ -421,7 +447,8 @@ inline std::vector<std::pair<std::string, std::function<ContactScene(ContactScen
           {"knot", &ContactSceneMaker::knot},
           {"cards", &ContactSceneMaker::cards},
           {"turning_body", &ContactSceneMaker::turningBody},
-          {"funnel", &ContactSceneMaker::funnel}};
+          {"funnel", &ContactSceneMaker::funnel},
+          {"pulled_layers", &ContactSceneMaker::pulledLayers}};
 }
 
 }  // namespace deformable_surface::test

@@ -1,0 +1,49 @@
+#include "overlaps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+
+using contact::Triangle;
+
+double findLongestEdge(const Points& rest, const Triangle& t) {
+  double squared = 0.0;
+  for (int k = 0; k < 3; ++k) squared = std::max(squared, (rest[t[(k + 1) % 3]] - rest[t[k]]).squaredNorm());
+  return std::sqrt(squared);
+}
+
+contact::Box findBox(const Points& rest, const Triangle& t) {
+  contact::Box box(rest[t[0]]);
+  box.extend(rest[t[1]]).extend(rest[t[2]]);
+  const Vec3 margin = Vec3::Constant(kOverlap * box.diagonal().norm());
+  return {box.min() - margin, box.max() + margin};
+}
+
+bool liesOn(const Points& rest, Index v, const Triangle& t) {
+  const Vec3 &a = rest[t[0]], &b = rest[t[1]], &c = rest[t[2]];
+  return contact::findClosestToTriangle(rest[v], a, b, c).squaredDistance() < kOverlap * kOverlap * (b - a).squaredNorm();
+}
+
+bool doOverlap(const Points& rest, const Triangle& one, const Triangle& other) {
+  const auto passes = [&](Index from, Index to, const Triangle& t) {
+    return !hasCorner(t, from) && !hasCorner(t, to) && contact::pierces(rest[from], rest[to], rest[t[0]], rest[t[1]], rest[t[2]]);
+  };
+  for (int k = 0; k < 3; ++k) {
+    const Index a = one[k], b = one[(k + 1) % 3];
+    const double length = (rest[b] - rest[a]).squaredNorm();
+    for (int m = 0; m < 3; ++m) {
+      const Index c = other[m], d = other[(m + 1) % 3];
+      if (a == c || a == d || b == c || b == d) continue;
+      const double shorter = std::min(length, (rest[d] - rest[c]).squaredNorm());
+      const contact::Closest closest = contact::findClosestOfEdges(rest[a], rest[b], rest[c], rest[d]);
+      if (closest.squaredDistance() < kOverlap * kOverlap * shorter) return true;
+    }
+    if (!hasCorner(other, a) && liesOn(rest, a, other)) return true;
+    if (!hasCorner(one, other[k]) && liesOn(rest, other[k], one)) return true;
+    if (passes(a, b, other) || passes(other[k], other[(k + 1) % 3], one)) return true;
+  }
+  return false;
+}
+
+}  // namespace deformable_surface::simulation
