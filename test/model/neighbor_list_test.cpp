@@ -51,6 +51,11 @@ TEST(NeighborList, HoldsWhatComparingAllWithAllFindsInAscendingOrder) {
   expectAllPairs(clusters);
 }
 
+// Short and long lists are sorted in different ways.
+TEST(NeighborList, SortsListsOfEveryLength) {
+  for (Index n = 1; n < 140; ++n) expectAllPairs(randomPoints(n, 0.03, n));
+}
+
 TEST(NeighborList, LeavesOutThoseThatAreApartAndWhatDescendsFromThem) {
   // In a row, each near all others; the first and the third are apart.
   Lists apart;
