@@ -11,7 +11,6 @@
 #include <set>
 #include <utility>
 
-#include "../../src/simulation/skin_holes.h"
 #include "../support/crossings.h"
 
 namespace deformable_surface::test {
@@ -38,12 +37,6 @@ int countBorders(const std::vector<Triangle>& triangles) {
   }
   return static_cast<int>(
       std::count_if(parent.begin(), parent.end(), [](const auto& entry) { return entry.first == entry.second; }));
-}
-
-double areaOf(const Points& rest, const std::vector<Triangle>& triangles) {
-  double area = 0.0;
-  for (const Triangle& t : triangles) area += 0.5 * (rest[t[1]] - rest[t[0]]).cross(rest[t[2]] - rest[t[0]]).norm();
-  return area;
 }
 
 // Layers of n x n points of 0.3 m, some spacings apart.
@@ -73,38 +66,6 @@ TEST(ContactSkin, LayersThatAreNearEachOtherHaveNoHoles) {
       EXPECT_EQ(countBorders(skin.triangles), 2) << spacings << ' ' << jitter;
       EXPECT_TRUE(findCrossings(rest, skin.triangles).empty()) << spacings << ' ' << jitter;
     }
-}
-
-// A square of four corners and its middle. The model's triangles overlap: 0 1 4 is missing.
-//   3 2
-//    4
-//   0 1
-const Points kSquare = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0), Vec3(0.5, 0.4, 0)};
-
-TEST(ContactSkin, AHoleIsFilledWhereTheSurfaceGoesOn) {
-  const std::vector<Triangle> layer = {{1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
-  const auto fill = [&](const std::vector<Triangle>& surface) {
-    std::vector<Triangle> filled;
-    for (const simulation::Filling& filling : simulation::fillHoles(kSquare, layer, surface)) filled.push_back(filling.triangle);
-    return filled;
-  };
-  EXPECT_TRUE(fill({}).empty()) << "nothing lies there: the border goes in";
-  const std::vector<Triangle> filled = fill({{0, 1, 2}});
-  ASSERT_EQ(filled.size(), 1u);
-  EXPECT_EQ(std::set<Index>(filled[0].begin(), filled[0].end()), (std::set<Index>{0, 1, 4}));
-  EXPECT_EQ(countBorders({layer[0], layer[1], layer[2], filled[0]}), 1);
-  EXPECT_NEAR(areaOf(kSquare, {layer[0], layer[1], layer[2], filled[0]}), 1.0, 1e-12);
-  EXPECT_TRUE(fill({{0, 2, 1}}).empty()) << "the other side of a layer";
-  EXPECT_EQ(fill({{0, 1, 4}}), (std::vector<Triangle>{{0, 1, 4}}));
-}
-
-TEST(ContactSkin, NothingIsFilledOverAPointWithoutTriangles) {
-  Points with_point = kSquare;
-  with_point.emplace_back(0.5, 0.15, 0.0);
-  const std::vector<Triangle> layer = {{1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
-  EXPECT_TRUE(simulation::fillHoles(with_point, layer, {{0, 1, 2}}).empty());
-  with_point.back().z() = 0.5;  // another layer
-  EXPECT_EQ(simulation::fillHoles(with_point, layer, {{0, 1, 2}}).size(), 1u);
 }
 
 TEST(ContactSkin, WhatFillsAHoleIsWholeWhileTheSurfaceBelowIs) {
