@@ -1,11 +1,11 @@
 // The rule for links: length against the spacing at both ends, slope against both tangent planes.
 #include "deformable_surface/cloud/links.h"
 
+#include "deformable_surface/base/disjoint_sets.h"
 #include "deformable_surface/base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace deformable_surface::cloud {
 namespace {
@@ -18,33 +18,6 @@ constexpr double kMaxLinkRatio = 4.0;
 constexpr Index kSpacingNeighbor = 6;
 
 constexpr Index kBlock = 4096;  // points per task: less than a millisecond of work
-
-// Union-find in which the smallest index of a set is its root.
-class Components {
- public:
-  explicit Components(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-  void join(Index i, Index j) {
-    const Index a = findRoot(i), b = findRoot(j);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
-  std::vector<Index> label(Index& num_components) {
-    num_components = 0;
-    std::vector<Index> label(parent_.size());
-    for (Index i = 0; i < static_cast<Index>(parent_.size()); ++i)
-      label[i] = parent_[i] == i ? num_components++ : label[findRoot(i)];
-    return label;
-  }
-
- private:
-  Index findRoot(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
-  std::vector<Index> parent_;
-};
 
 }  // namespace
 
@@ -68,16 +41,18 @@ LinkRule::LinkRule(const Points& positions, const Points& normals, const Lists& 
 }
 
 std::vector<Index> labelComponents(const Lists& links, Index& num_components) {
-  Components components(links.size());
+  std::vector<Index> parents;
+  makeSingleSets(links.size(), parents);
   for (Index i = 0; i < links.size(); ++i)
-    for (const Index* j = links.begin(i); j != links.end(i); ++j) components.join(i, *j);
-  return components.label(num_components);
+    for (const Index* j = links.begin(i); j != links.end(i); ++j) joinSets(parents, i, *j);
+  return labelSets(parents, num_components);
 }
 
 std::vector<Index> labelComponents(Index n, const std::vector<std::pair<Index, Index>>& links, Index& num_components) {
-  Components components(n);
-  for (const auto& [i, j] : links) components.join(i, j);
-  return components.label(num_components);
+  std::vector<Index> parents;
+  makeSingleSets(n, parents);
+  for (const auto& [i, j] : links) joinSets(parents, i, j);
+  return labelSets(parents, num_components);
 }
 
 }  // namespace deformable_surface::cloud

@@ -1,11 +1,11 @@
 #include "deformable_surface/contact/outlines.h"
 
+#include "deformable_surface/base/disjoint_sets.h"
 #include "deformable_surface/base/median.h"
 
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -127,20 +127,16 @@ void straighten(Loop& loop, const Points& rest, const Vec3& direction, double le
 // The connected parts, each known by its first point.
 class Parts {
  public:
-  Parts(std::size_t num_points, const std::vector<Triangle>& triangles) : root_(num_points), is_lone_(num_points, 1) {
-    std::iota(root_.begin(), root_.end(), Index{0});
+  Parts(std::size_t num_points, const std::vector<Triangle>& triangles) : is_lone_(num_points, 1) {
+    makeSingleSets(static_cast<Index>(num_points), root_);
     for (const Triangle& t : triangles)
       for (int k = 0; k < 3; ++k) {
-        const Index a = find(t[k]), b = find(t[(k + 1) % 3]);
-        root_[std::max(a, b)] = std::min(a, b);
+        joinSets(root_, t[k], t[(k + 1) % 3]);
         is_lone_[t[k]] = 0;
       }
   }
 
-  Index find(Index i) {
-    while (root_[i] != i) i = root_[i] = root_[root_[i]];
-    return i;
-  }
+  Index find(Index i) { return findRoot(root_, i); }
   bool isLone(Index i) const { return is_lone_[i] != 0; }  // has no triangle
   void join(Index lone, Index part) { root_[lone] = part; }
 

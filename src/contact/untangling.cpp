@@ -1,5 +1,7 @@
 #include "deformable_surface/contact/untangling.h"
 
+#include "deformable_surface/base/disjoint_sets.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -12,16 +14,13 @@ class Parts {
  public:
   // is_cut: (edges)
   Parts(const std::vector<Edge>& edges, const std::vector<char>& is_cut, const std::vector<double>& masses)
-      : of_(masses.size()), mass_(masses.size(), 0.0) {
+      : mass_(masses.size(), 0.0) {
     const Index n = static_cast<Index>(masses.size());
-    for (Index i = 0; i < n; ++i) of_[i] = i;
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-      if (is_cut[e] != 0) continue;
-      const Index a = find(edges[e][0]), b = find(edges[e][1]);
-      of_[std::max(a, b)] = std::min(a, b);
-    }
+    makeSingleSets(n, of_);
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      if (is_cut[e] == 0) joinSets(of_, edges[e][0], edges[e][1]);
     for (Index i = 0; i < n; ++i) {
-      of_[i] = find(i);
+      of_[i] = findRoot(of_, i);
       mass_[of_[i]] += masses[i];
     }
   }
@@ -34,11 +33,6 @@ class Parts {
   }
 
  private:
-  Index find(Index i) {
-    while (of_[i] != i) i = of_[i] = of_[of_[i]];
-    return i;
-  }
-
   std::vector<Index> of_;  // by vertex: the lowest vertex of its part
   std::vector<double> mass_;
 };

@@ -1,5 +1,6 @@
 #include "deformable_surface/solve/system.h"
 
+#include "deformable_surface/base/disjoint_sets.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 
@@ -150,16 +151,9 @@ void System::labelParts(std::vector<Index>& parts) const {
   const auto& links = stretchLinksOf(model_);
   parts.assign(size(), 0);
   if (links.empty()) return;
-  std::iota(parts.begin(), parts.end(), 0);
-  const auto findFirst = [&](Index i) {
-    while (parts[i] != i) i = parts[i] = parts[parts[i]];
-    return i;
-  };
-  for (const auto& [i, j] : links) {
-    const Index one = findFirst(i), other = findFirst(j);
-    parts[std::max(one, other)] = std::min(one, other);
-  }
-  for (Index i = 0; i < size(); ++i) parts[i] = findFirst(i);
+  makeSingleSets(size(), parts);
+  for (const auto& [i, j] : links) joinSets(parts, i, j);
+  for (Index i = 0; i < size(); ++i) parts[i] = findRoot(parts, i);
 }
 
 bool System::hasCarried(const Points& before, const Points& after) const {
