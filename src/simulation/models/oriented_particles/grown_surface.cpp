@@ -1,0 +1,177 @@
+// A surface is grown through the particles that there are, before time 0 or by a command: growth to its end, then relaxation.
+#include "particle_life.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/model/oriented_particles/grow_surface.h"
+#include "deformable_surface/model/oriented_particles/relax_on_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "settle_particles.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+using model::State;
+
+constexpr Index kSweeps = 20;     // between two passes of growth: near equilibrium is enough
+constexpr Index kSmoothings = 4;  // of rest curvatures if samples are noisy: about the distance between samples
+// Of the spacing: the growth rules leave a looser arrangement than a lattice, which would contract when released.
+constexpr double kDensity = 0.95;
+constexpr Index kLastIterations = 40;    // the same when growth has ended
+constexpr double kLastTolerance = 1e-4;  // of its first force
+constexpr double kClosest = 0.3;         // of the spacing: as near as particles may be after growth, as after an edit
+
+// Growth leaves varying distances, and not the area of as many particles of a lattice. At the stated spacing the whole surface
+// would pull, and closed surfaces would contract. Particles slide until they are evenly spaced, and the
+// lattice takes the spacing at which they have no tension as a whole.
+void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& particles, State& state) {
+  cloud::CleanCloud surface;
+  surface.positions = state.positions;
+  for (const Quaternion& q : state.orientations) surface.normals.push_back(q * Vec3::UnitZ());
+  model::OrientedParticles attraction = particles;
+  const double even = attraction.measureSpacing(state);
+  if (even > 0.0) attraction.setSpacing(even);
+  attraction.leaveOnlyAttraction();
+  slideParticles(surface, attraction, fixed, fixed, state);
+  particles.setSpacing(particles.findSpacingWithoutTension(state));
+}
+
+// Tells of particles that are on no triangle. Beside a grown surface, samples there did not tell which way it goes.
+template <class Warn>
+void warnOfLonely(const model::OrientedParticles& particles, const State& state, const Warn& warn) {
+  particles.refreshDisplay(state);
+  std::vector<char> is_lonely(state.positions.size(), 1);
+  for (const model::WeightedTriangle& t : particles.triangles())
+    for (const Index i : t.corner) is_lonely[i] = 0;
+  const auto first = std::find(is_lonely.begin(), is_lonely.end(), 1);
+  if (first == is_lonely.end()) return;
+  const Index count = static_cast<Index>(std::count(is_lonely.begin(), is_lonely.end(), 1));
+  const Vec3& at = state.positions[first - is_lonely.begin()];
+  warn(std::to_string(count) + (count == 1 ? " particle belongs" : " particles belong") + " to no surface, the first at " +
+       formatShort(at.x()) + ", " + formatShort(at.y()) + ", " + formatShort(at.z()));
+}
+
+// Moves particles nearer to each other than a distance, m, apart to it along the line between them, those in one place along the
+// x axis of the first. Growth and relaxation on both sides of something thin can bring two into nearly one place, where repulsion
+// does not part them. fixed (n) stay. One after the other, in the order of their numbers. Returns the number of pairs that are
+// still nearer.
+Index moveApart(double least, const std::vector<char>& fixed, State& state) {
+  constexpr Index kPasses = 50;
+  constexpr double kBeyond = 1e-6;  // of the distance: rounding must not undo it
+  Index near_pairs = 0;
+  std::vector<cloud::Neighbor> near;
+  for (Index pass = 0; pass <= kPasses; ++pass) {
+    endIfInterrupted();
+    near_pairs = 0;
+    const cloud::KdTree tree(state.positions);
+    for (Index i = 0; i < state.size(); ++i) {
+      tree.withinRadius(state.positions[i], least, near);
+      std::sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
+      for (const cloud::Neighbor& q : near) {
+        const Index j = q.index;
+        if (j <= i) continue;
+        Vec3 line = state.positions[j] - state.positions[i];
+        const double distance = line.norm();
+        if (!(distance < least)) continue;
+        ++near_pairs;
+        if (pass == kPasses || (fixed[i] && fixed[j])) continue;
+        line = distance > 0.0 ? Vec3(line / distance) : Vec3(state.orientations[i] * Vec3::UnitX());
+        const double missing = (1.0 + kBeyond) * least - distance;
+        const double share = fixed[i] ? 0.0 : fixed[j] ? 1.0 : 0.5;  // of particle i
+        state.positions[i] -= share * missing * line;
+        state.positions[j] += (1.0 - share) * missing * line;
+      }
+    }
+    if (near_pairs == 0) break;
+  }
+  return near_pairs;
+}
+
+}  // namespace
+
+Population ParticleLife::growSurface(const model::GrowthParams& given, const std::vector<char>& held, bool is_start,
+                                     State& state) {
+  if (model_.hasKeptBonds())
+    throw InputError(
+        "grow_surface: found oriented_particles.bonds kept, with which new particles have no rest shape; accepted: free");
+  model::GrowthParams growth = given;
+  growth.chain = growthParams().chain;
+  const bool keeps_shape = model_.params().restsAsCloud(), lets_go = !growth.fix_samples || growth.release_samples;
+  const double spacing = kDensity * model_.lattice().spacing;
+  const auto relax = [&](Points& positions, Orientations& orientations, const std::vector<char>& still) {
+    std::vector<char> fixed = still;
+    for (std::size_t i = 0; i < held.size(); ++i) fixed[i] = fixed[i] || held[i];
+    model::relaxOnSurface(spacing, kSweeps, fixed, positions, orientations);
+  };
+  model::ParticleCuts cuts = model_.cuts();
+  std::vector<model::ParticleTraits> traits = state.traits;
+  model::GrowthCuts growth_cuts;
+  if (!cuts.isEmpty()) {
+    growth_cuts.apart = [&](Index i, Index j) { return !cuts.mayBind(traits[i].id, traits[j].id); };
+    growth_cuts.follow = [&](const Points& positions, Index first, const std::vector<model::NewParticle>& added) {
+      std::vector<model::ParticleCuts::Pair> parents;
+      for (const model::NewParticle& particle : added) {
+        parents.emplace_back(particle.parents[0], particle.parents[1]);
+        traits.emplace_back();
+        traits.back().id = state.next_id + static_cast<Index>(traits.size() - 1 - state.traits.size());  // as append() numbers
+      }
+      cuts = cuts.inherit(positions, traits, first, parents, model_.cutLengths());
+    };
+  }
+  const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, spacing, growth, relax, growth_cuts);
+  model_.setCuts(cuts);
+
+  Population changes;
+  const std::size_t before = state.positions.size();
+  for (const model::NewParticle& particle : grown.added) append(particle, state);
+  state.positions = grown.positions;
+  state.orientations = grown.orientations;
+  // A separate dynamics for the particles alone, without loads.
+  std::vector<char> fixed = held;
+  fixed.resize(state.positions.size(), 0);
+  if (!lets_go) std::fill_n(fixed.begin(), before, char{1});
+  model::OrientedParticles particles = model_;
+  particles.adopt(state);
+  State trial = state;
+  if (keeps_shape && is_start) {
+    takeSpacingOf(fixed, particles, trial);
+    model_.setSpacing(particles.lattice().spacing);
+  }
+  if (keeps_shape) particles.keepShape(trial);
+  if (keeps_shape && growth.noise > 0.0) particles.smoothShape(kSmoothings, trial);
+  // Existing particles keep their motion and, except at the start, their rest shape: their bending may come from a load.
+  for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
+  const double least = kClosest * particles.lattice().spacing;
+  moveApart(least, fixed, trial);
+  if (keeps_shape && is_start && !(growth.noise > 0.0))
+    relaxInShape(particles, fixed, fixed, trial);
+  else
+    relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
+  const Index near_pairs = moveApart(least, fixed, trial);
+  state.positions = trial.positions;
+  state.orientations = trial.orientations;
+  state.traits = trial.traits;
+  changes.born = static_cast<Index>(state.positions.size() - before);
+  static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",
+                                      "until another pass would have gone beyond growth.max_particles"};
+  changes.notice = "a surface is grown: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) +
+                   " in " + std::to_string(grown.passes) + " passes, " + kEnds[static_cast<int>(grown.end)];
+  const auto warn = [&](const std::string& sentence) { changes.warning += (changes.warning.empty() ? "" : "; ") + sentence; };
+  if (grown.end == model::GrowthEnd::kMaxPasses)
+    warn("growth ended at growth.max_passes, " + std::to_string(growth.max_passes) + ": the surface is not complete");
+  if (grown.end == model::GrowthEnd::kMaxParticles)
+    warn("growth ended at growth.max_particles, " + std::to_string(growth.max_particles) + ": the surface is not complete");
+  if (!growth.chain) warnOfLonely(particles, state, warn);
+  if (near_pairs > 0)
+    changes.notice +=
+        "; " + std::to_string(near_pairs) +
+        " pairs of held particles are nearer to each other than 0.3 of the spacing, where repulsion hardly parts them";
+  return changes;
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,136 @@
+// Particles that are added in a run, one look after the other, where the surface has room for them.
+#include "particle_life.h"
+
+#include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/model/oriented_particles/rest_shape.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using model::State;
+
+constexpr Index kMostDebris = 4;  // pieces of newborns alone: a few may have been cut off by tools
+constexpr Index kLook = 1024;     // particles between two looks at an interrupt
+
+}  // namespace
+
+model::GrowthParams ParticleLife::growthParams() const {
+  model::GrowthParams growth = model_.params().growth;
+  growth.chain = model_.params().mode == model::ParticleMode::kPlane;
+  return growth;
+}
+
+// A new particle has the mean velocity, spin, curvature and temperature of its parents.
+void ParticleLife::append(const model::NewParticle& particle, State& state) const {
+  const Index a = particle.parents[0], b = particle.parents[1] >= 0 ? particle.parents[1] : a;
+  model::ParticleTraits traits;
+  traits.id = state.next_id++;
+  traits.ancestor = state.traits[a].ancestor;
+  traits.parents[0] = state.traits[a].id;
+  traits.parents[1] = particle.parents[1] >= 0 ? state.traits[b].id : model::kNoParent;
+  traits.turn = state.traits[a].turn;
+  const auto curvature = [&](Index i) {
+    return model::turnCurvatureToWorld(state.orientations[i], state.traits[i].rest_curvature);
+  };
+  if (model_.isBent())
+    traits.rest_curvature = model::turnCurvatureToFrame(particle.orientation, 0.5 * (curvature(a) + curvature(b)));
+  traits.temperature = 0.5 * (state.traits[a].temperature + state.traits[b].temperature);
+  state.positions.push_back(particle.position);
+  state.velocities.push_back(0.5 * (state.velocities[a] + state.velocities[b]));
+  state.orientations.push_back(particle.orientation);
+  state.spins.push_back(0.5 * (state.spins[a] + state.spins[b]));
+  state.traits.push_back(traits);
+}
+
+// New particles take part in the cuts of their parents.
+void ParticleLife::followBirths(const State& state, Index first, const std::vector<model::NewParticle>& born) {
+  if (model_.cuts().isEmpty() || born.empty()) return;
+  std::vector<model::ParticleCuts::Pair> parents;
+  for (const model::NewParticle& particle : born) parents.emplace_back(particle.parents[0], particle.parents[1]);
+  model_.setCuts(model_.cuts().inherit(state.positions, state.traits, first, parents, model_.cutLengths()));
+}
+
+// Number of connected pieces that consist of grown particles only.
+Index ParticleLife::countDebris(const State& state) const {
+  const Index n = state.size();
+  const double range = model_.params().growth.neighbor_range * model_.lattice().spacing;
+  const cloud::KdTree tree(state.positions);
+  std::vector<char> is_seen(n, 0);
+  std::vector<Index> piece;
+  std::vector<cloud::Neighbor> near;
+  Index debris = 0;
+  for (Index first = 0; first < n; ++first) {
+    if (is_seen[first]) continue;
+    bool is_newborn = true;
+    piece.assign(1, first);
+    is_seen[first] = 1;
+    for (std::size_t k = 0; k < piece.size(); ++k) {
+      endIfInterrupted(k, static_cast<std::size_t>(kLook));
+      is_newborn = is_newborn && state.traits[piece[k]].parents[0] != model::kNoParent;
+      tree.withinRadius(state.positions[piece[k]], range, near);
+      for (const cloud::Neighbor& q : near) {
+        if (std::exchange(is_seen[q.index], 1)) continue;
+        piece.push_back(q.index);
+      }
+    }
+    debris += is_newborn;
+  }
+  return debris;
+}
+
+void ParticleLife::grow(State& state, Population& changes) {
+  const model::OrientedParticlesParams& params = model_.params();
+  const bool grows = params.stretching || params.growing != model::Growing::kNone;
+  if (!grows || state.size() == 0 || state.size() >= params.growth.max_particles) return;
+  const model::GrowthParams growth = growthParams();
+  std::vector<model::NewParticle> newborn;
+  std::vector<char> flags(state.positions.size(), model::kGrowsNothing);
+  for (Index i = 0; i < state.size(); ++i)
+    if (state.traits[i].is_smooth) flags[i] = model::kFillsGaps;
+  model::AreApart apart;
+  if (!model_.cuts().isEmpty())
+    apart = [&](Index i, Index j) { return !model_.cuts().mayBind(state.traits[i].id, state.traits[j].id); };
+  const double spacing = model_.lattice().spacing;
+  // Rules take turns: one whose places are all taken does not keep the next from its own.
+  const auto found = [&](std::vector<model::NewParticle> proposed) {
+    model::leaveOutCrowded(state.positions, growth.clearance * spacing, proposed);
+    newborn = std::move(proposed);
+    return !newborn.empty();
+  };
+  const auto findRoom = [&] {
+    if (params.stretching &&
+        found(model::proposeStretched(state.positions, state.orientations, flags, spacing, growth, {}, apart)))
+      return;
+    if (params.growing == model::Growing::kNone) return;
+    std::vector<char> growing = flags;
+    if (params.growing == model::Growing::kEdges)
+      for (char& flag : growing) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
+    // The surroundings must agree: else, beside edges that tools have brought together, new particles would stand across the
+    // surface and others grow on them, until layers fill the inside.
+    model::GrowthParams witnessed = growth;
+    witnessed.witnessed = true;
+    found(model::proposeGrown(state.positions, state.orientations, growing, spacing, witnessed, {}, apart));
+  };
+  findRoom();
+  if (newborn.empty()) return;
+  if (const Index debris = countDebris(state); debris > kMostDebris) {
+    if (!std::exchange(has_reported_debris_, true))
+      changes.notice = "growth has run away and rests: found " + std::to_string(debris) +
+                       " pieces of newborn particles alone, which have come loose from the surface; accepted: up to " +
+                       std::to_string(kMostDebris);
+    return;
+  }
+  const Index first = state.size();
+  newborn.resize(std::min<std::size_t>(newborn.size(), growth.max_particles - first));
+  for (const model::NewParticle& particle : newborn) append(particle, state);
+  changes.born += static_cast<Index>(newborn.size());
+  followBirths(state, first, newborn);
+  if (state.size() >= growth.max_particles)
+    changes.notice = "growth has reached oriented_particles.growth.max_particles, " + std::to_string(growth.max_particles);
+}
+
+}  // namespace deformable_surface::simulation
