@@ -43,7 +43,7 @@ int simulate(const std::vector<std::string>& arguments, const Terminal& terminal
       return kDone;
     }
     if (options.check) {
-      loadScene(options);
+      checkOptions(options, loadScene(options));
       listColumns(terminal.out);
       return kDone;
     }

@@ -51,6 +51,29 @@ SceneParams loadScene(const SimulateOptions& options) {
   return params;
 }
 
+void checkOptions(const SimulateOptions& options, const SceneParams& params) {
+  const double dt = params.integrator.time_step;
+  if (options.frame_rate * dt > 1.0 + kRounding) {
+    throw InputError("--frame_rate: found " + formatReal(options.frame_rate) + "; accepted: at most one frame per step, " +
+                     formatReal(1.0 / dt) + " (Hz)");
+  }
+  checkFilesDiffer(options, params);
+  const bool is_other = isOtherRun(options, params);
+  if (options.strict && (params.expect.empty() || is_other))
+    throw InputError(std::string("--strict: found a scene ") +
+                     (is_other ? "with another cloud or duration than its own" : "without expect") +
+                     "; accepted: one that expects something of its own cloud and duration");
+  if (!options.final_file.empty()) checkPointFile("--final", options.final_file);
+  if (!options.mesh_file.empty()) {
+    io::checkMeshFileName(options.mesh_file);
+    requireWritable("--mesh", options.mesh_file);
+    if (!simulation::findModel(params.model).traits().is_oriented)
+      throw InputError("--mesh: found a scene of the model " + params.model +
+                       "; accepted: " + simulation::listModels(&simulation::ModelTraits::is_oriented));
+  }
+  if (!options.filtered_file.empty()) checkPointFile("--filtered", options.filtered_file);
+}
+
 Run::Run(const SimulateOptions& options, const Terminal& terminal, KeptSurfaces* kept)
     : options_(options),
       terminal_(terminal),
@@ -58,32 +81,14 @@ Run::Run(const SimulateOptions& options, const Terminal& terminal, KeptSurfaces*
       params_(loadScene(options)),
       progress_(terminal.err, terminal.show_progress && !options.quiet) {
   setNumThreads(params_.threads);
-  const double dt = params_.integrator.time_step;
-  if (options.frame_rate * dt > 1.0 + kRounding) {
-    throw InputError("--frame_rate: found " + formatReal(options.frame_rate) + "; accepted: at most one frame per step, " +
-                     formatReal(1.0 / dt) + " (Hz)");
-  }
-  checkFilesDiffer(options, params_);
-  const bool is_other = isOtherRun(options, params_);
-  if (options.strict && (params_.expect.empty() || is_other))
-    throw InputError(std::string("--strict: found a scene ") +
-                     (is_other ? "with another cloud or duration than its own" : "without expect") +
-                     "; accepted: one that expects something of its own cloud and duration");
-  if (!params_.expect.empty() && is_other) {
+  checkOptions(options, params_);
+  if (!params_.expect.empty() && isOtherRun(options, params_)) {
     params_.expect.clear();
     note("what the scene expects is not looked at: it is of the scene's own cloud and duration");
   }
-  if (!options.final_file.empty()) checkPointFile("--final", options.final_file);
-  if (!options.mesh_file.empty()) {
-    io::checkMeshFileName(options.mesh_file);
-    requireWritable("--mesh", options.mesh_file);
-    if (!simulation::findModel(params_.model).traits().is_oriented)
-      throw InputError("--mesh: found a scene of the model " + params_.model +
-                       "; accepted: " + simulation::listModels(&simulation::ModelTraits::is_oriented));
-  }
-  if (!options.filtered_file.empty()) checkPointFile("--filtered", options.filtered_file);
   if (!options.statistics_file.empty()) statistics_.emplace(options.statistics_file);
   if (!options.wrenches_file.empty()) wrenches_file_.emplace(options.wrenches_file);
+  const double dt = params_.integrator.time_step;
   if (!options.frames_directory.empty()) {
     frames_.emplace(options.frames_directory, options.frame_rate > 0.0 ? options.frame_rate : params_.output.publish_rate, dt);
   }

@@ -28,6 +28,8 @@ constexpr int kDone = 0, kWrongInput = 2, kNoSoundStep = 3, kNotAsExpected = 4, 
 
 /// The scene of a run. Throws InputError.
 simulation::SceneParams loadScene(const SimulateOptions& options);
+/// Throws InputError if these options cannot be used for the scene. Opens no file.
+void checkOptions(const SimulateOptions& options, const simulation::SceneParams& params);
 
 class Run {
  public:

@@ -13,6 +13,7 @@
 #include <atomic>
 #include <chrono>
 #include <map>
+#include <set>
 #include <thread>
 
 namespace deformable_surface::node::test {
@@ -100,6 +101,14 @@ TEST_F(Simulate, RefusesWrongCommandLinesWithOneLineEach) {
       {{"--bag_in", path("missing.bag")}, "missing.bag"},
       {{"--final", path("a.ply"), "--final", path("b.ply")}, "twice"},
       {{"second.yaml"}, "second"}};
+  // What a run checks of the scene and the options, before it opens files, --check does.
+  for (const auto& [arguments, sentence] : cases) {
+    if (std::set<std::string>{"--final", "--mesh", "--filtered", "--frames"}.count(arguments[0]) == 0) continue;
+    std::vector<std::string> checked = arguments;
+    checked.push_back("--check");
+    EXPECT_EQ(run(checked), 2) << arguments[0];
+    EXPECT_NE(err_.find(sentence), std::string::npos) << sentence << " in " << err_;
+  }
   for (const auto& [arguments, sentence] : cases) {
     EXPECT_EQ(run(arguments), 2) << arguments[0];
     EXPECT_EQ(countLines(err_), 1u) << arguments[0] << ":\n" << err_;
