@@ -210,7 +210,8 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
                                   : system_.estimateWork(from, from + portion, portion_start_, state);
     dissipated_ += report.dissipated;
     add(report, total);
-    if (left <= kPortion || !report.finite) return total;
+    // What has left space is not taken, and its further sub-steps would only become shorter.
+    if (left <= kPortion || !report.finite || !isInSpace(state)) return total;
     done += portion;
     refreshStableStep(time + done, state);
   }
@@ -338,6 +339,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   for (double share = 0.5;
        !sound && !was_implicit && !isInterrupted() && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare;
        share *= 0.5) {
+    // The implicit method does not overshoot: a surface that it carries away is really carried away.
+    if (memory_.type == IntegratorType::kImplicit && !isInSpace(state)) break;
     outcome.retried = findFailure(report, state);
     goBack(time, state);
     report = advance(time, share, state);
@@ -348,7 +351,6 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
       params_.type == IntegratorType::kAuto && system_.hasStiffness() && memory_.type == IntegratorType::kVerlet;
   for (Index parts = was_implicit ? 2 : 1; !sound && !isInterrupted() && may_change && parts * kSmallestShare <= 1.0;
        parts *= 2) {
-    // The implicit method does not overshoot: a surface that it carries away is really carried away.
     if (was_implicit && !isInSpace(state)) break;
     outcome.retried = findFailure(report, state);
     outcome.is_retried_implicitly = true;

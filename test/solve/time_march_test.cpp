@@ -205,6 +205,21 @@ TEST(TimeMarch, AnInterruptedStepEndsEarlyAndKeepsTheStateAndLaterStepsAreTheSam
   EXPECT_EQ(m.state.positions, undisturbed.state.positions);
 }
 
+TEST(TimeMarch, WhatLeavesSpaceIsRefusedWithoutTheRestOfItsSubsteps) {
+  for (const solve::IntegratorType type : {solve::IntegratorType::kVerlet, solve::IntegratorType::kImplicit}) {
+    March m(1.0);
+    m.params.type = type;
+    m.model.stable_step = 1e-5;
+    m.state.velocities[0] = Vec3(1e12, 0.0, 0.0);
+    const solve::TimeMarch::Outcome outcome = m.march.step(0.0, m.state);
+    EXPECT_FALSE(outcome.ok);
+    EXPECT_EQ(outcome.failure.kind, solve::StepFailure::Kind::kLeftSpace);
+    EXPECT_LT(outcome.report.substeps, 100);  // of thousands, of Verlet
+    if (type == solve::IntegratorType::kImplicit) EXPECT_EQ(outcome.retried.kind, solve::StepFailure::Kind::kNone);
+    EXPECT_EQ(m.state.positions[0], Vec3(1.0, 0.0, 0.0));
+  }
+}
+
 TEST(TimeMarch, UnderAScopeNoForcesAreEvaluatedAnyMoreOnceItIsInterrupted) {
   for (const solve::IntegratorType type : {solve::IntegratorType::kVerlet, solve::IntegratorType::kSymplecticEuler}) {
     SCOPED_TRACE(static_cast<int>(type));
