@@ -43,7 +43,7 @@ Run run(const AccuracyScene& scene, Index level, const Setting& setting) {
       result.state = "refused at " + show(simulation.time()) + " s";
       break;
     }
-    if (outcome.notice.find("the solver stopped") != std::string::npos) result.state = "not converged";
+    if (!outcome.has_converged) result.state = "not converged";
     if (processorSeconds() - cpu > kTooLong) {
       result.state = "cut at " + show(simulation.time()) + " s";
       break;

@@ -60,7 +60,7 @@ bool runTruth(SceneParams params, const cloud::PointCloud& cloud, int steps, int
   truth.dynamics().disturb(disturbance);
   for (int k = 1; k <= steps; ++k) {
     const simulation::StepOutcome outcome = truth.step();
-    if (!outcome.ok || !outcome.notice.empty()) return false;
+    if (!outcome.ok || !outcome.has_converged || outcome.was_retried || !outcome.notice.empty()) return false;
     if (k == static_cast<int>(shapes.size() + 1) * steps / looks) shapes.push_back(truth.surface(false).positions);
   }
   return true;

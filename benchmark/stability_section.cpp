@@ -53,7 +53,7 @@ void runLongSwing(Report& report) {
   int steps = 0, retries = 0;
   for (; steps < kSteps; ++steps) {
     const simulation::StepOutcome outcome = s.step();
-    retries += !outcome.notice.empty();
+    retries += outcome.was_retried;
     if (!outcome.ok) {
       report.note("long swing: " + outcome.problem);
       break;

@@ -1,6 +1,7 @@
 #include "experiment.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -117,8 +118,8 @@ void Experiment::settle() {
   for (int i = 0; i < kStaticSteps; ++i) {
     const simulation::StepOutcome outcome = simulation_.step();
     if (!outcome.ok) throw std::runtime_error(outcome.problem);
-    if (outcome.notice.empty()) return;
-    notice = outcome.notice;
+    if (outcome.has_converged) return;
+    appendNotice(notice, outcome.notice);
   }
   throw std::runtime_error(notice);
 }

@@ -136,7 +136,7 @@ void Dynamics::reset() {
   if (chosen_.integrator != solve::IntegratorType::kAuto) params_.integrator.type = chosen_.integrator;
   tool_watch_.reset();
   reported_loose_ = 0;
-  has_reported_stopped_ = has_reported_grazing_ = has_reported_halt_ = has_told_compliance_ = false;
+  has_reported_grazing_ = has_told_compliance_ = false;
   Changes all;
   all.loads = all.parts = all.motion = all.everywhere = true;
   follow(all);

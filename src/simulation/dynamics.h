@@ -18,6 +18,7 @@
 #include "clamp_edges.h"
 #include "cloud_follower.h"
 #include "dynamics_state.h"
+#include "jam.h"
 #include "parts.h"
 
 namespace deformable_surface::simulation {
@@ -71,6 +72,9 @@ class Dynamics {
     std::optional<double> second_distance;               // m, how far the end of the second search is from that of the first
     double contact_seconds = 0.0, search_seconds = 0.0;  // s of wall time
     solve::SolveReport report;
+    bool is_static = false;              // the step was a search for an equilibrium
+    solve::StepFailure retried;          // why the step was taken again; of no kind: it was not
+    bool is_retried_implicitly = false;  // that time
   };
   /// Numbers that are not finite, and an interrupt, never throw. Everything is then as before the step, also if anything throws.
   Outcome takeStep(const Request& request);
@@ -141,6 +145,8 @@ class Dynamics {
   std::vector<Contact> contacts() const;
   std::vector<SelfTouch> selfTouches() const;
   std::vector<PinReaction> pinReactions() const;
+  /// Where contact of the surface with itself stopped points in the last step, and what acts there; none: nowhere.
+  std::optional<Jam> findJam() const;
 
   /// See ContactLoad.
   void adoptArrivals(const ContactLoad& other) { loads_.contact.adoptArrivals(other); }
@@ -218,8 +224,6 @@ class Dynamics {
   solve::TimeMarch::Outcome findMotion(double now, const Request& request);
   solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
   void settleContact(double now, solve::TimeMarch::Outcome& taken);
-  std::string describeStopped();
-  std::string describeHalt(const solve::SolveReport& report);
   std::string describeGrazing(double now);
   std::string endUntangling(double dt);
   static void refuse(const std::string& why, Outcome& outcome);
@@ -291,7 +295,7 @@ class Dynamics {
   Index last_substeps_ = 0;
   LooseParts loose_;  // of static steps
   // Since the last reset:
-  bool has_reported_stopped_ = false, has_reported_grazing_ = false, has_reported_halt_ = false;
+  bool has_reported_grazing_ = false;
   std::string why_no_self_contact_;
   bool has_told_compliance_ = false;
   UntanglingProgress untangling_;

@@ -1,5 +1,7 @@
-// Contact wrenches on tools and pins, and whether the surface has snapped. Nothing changes here.
+// Contact wrenches on tools and pins, where contact stopped points, and whether the surface has snapped. Nothing changes here.
 #include "dynamics.h"
+
+#include "deformable_surface/base/value.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +9,12 @@
 #include "tool_forces.h"
 
 namespace deformable_surface::simulation {
+namespace {
+
+// Spacings: layers pressed by what pushes them are no farther from it. Chosen on stacks of 2 to 4 layers between boxes and pins.
+constexpr double kNearJam = 3.0;
+
+}  // namespace
 
 std::vector<ToolReaction> Dynamics::toolReactions() const {
   std::vector<ToolReaction> reactions(tools_.size());
@@ -65,6 +73,61 @@ std::vector<PinReaction> Dynamics::pinReactions() const {
   }
   if (reactions.back().points == 0) reactions.pop_back();
   return reactions;
+}
+
+std::optional<Jam> Dynamics::findJam() const {
+  const SelfContactLoads* const self = loads_.self_contact.get();
+  if (!self || self->numStopped() == 0) return {};
+  const State& state = now_.points;
+  const std::vector<char>& stopped = self->limit.stopped();
+  Jam jam;
+  Vec3 middle = Vec3::Zero();
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!stopped[i]) continue;
+    middle += state.positions[i];
+    ++jam.points;
+  }
+  middle /= static_cast<double>(jam.points);
+  Index nearest = -1;
+  for (Index i = 0; i < state.size(); ++i) {
+    if (stopped[i] && (nearest < 0 || (state.positions[i] - middle).norm() < (state.positions[nearest] - middle).norm()))
+      nearest = i;
+  }
+  jam.place = state.positions[nearest];
+
+  std::vector<Jam::Actor> near, elsewhere;
+  const std::vector<Index>& parts = self->limit.parts();
+  using Act = Jam::Actor::Act;
+  const auto addNew = [](std::vector<Jam::Actor>& actors, const std::string& name, Act act, bool moves) {
+    const auto is_it = [&](const Jam::Actor& actor) { return actor.name == name; };
+    if (std::none_of(actors.begin(), actors.end(), is_it)) actors.push_back({name, act, moves});
+  };
+  const double reach = kNearJam * activity_.spacing();
+  const auto add = [&](Index point, const std::string& name, Act act, bool moves) {
+    const bool is_near = (state.positions[point] - jam.place).norm() < reach;
+    if (is_near || parts[point] == parts[nearest]) addNew(is_near ? near : elsewhere, name, act, moves);
+  };
+  for (const Contact& contact : contacts()) {
+    const tool::ToolParams& tool = tools_[contact.tool];
+    const bool moves = !tool::findMotion(tool.path, time()).velocityAt(contact.position).isZero(0.0);
+    if (!contact.force.isZero(0.0)) add(contact.point, "tool " + quote(tool.id), Act::kPushes, moves);
+  }
+  for (const tool::ToolParams& tool : tools_) {
+    if (!tool::isPushing(tool) || !tool::isActive(tool, time())) continue;
+    if (tool::findSignedDistance(tool.shape, tool::interpolate(tool.path, time()), jam.place).distance > reach) continue;
+    addNew(near, "tool " + quote(tool.id), Act::kIsNear, !tool::findMotion(tool.path, time()).velocityAt(jam.place).isZero(0.0));
+  }
+  for (const Grips::Grip& grip : grips_.all())
+    for (const Index i : grip.points)
+      add(i, grip.is_pin ? grip.tool.id : "tool " + quote(grip.tool.id), Act::kHolds, !state.velocities[i].isZero(0.0));
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!now_.pinned[i] || grips_.isOnPin(i)) continue;
+    const std::size_t pin = findPin(i);
+    add(i, pin < params_.pins.size() ? "pins[" + std::to_string(pin) + "]" : "a pin set by a command", Act::kHolds, false);
+  }
+  jam.are_near = !near.empty();
+  jam.actors = jam.are_near ? std::move(near) : std::move(elsewhere);
+  return jam;
 }
 
 bool Dynamics::hasSnapped() const {

@@ -19,9 +19,8 @@ namespace {
 constexpr double kMostGrowth = 0.5;  // of the spacing: the most by which tools grow towards points that press on them
 // Share of the surface's area that is not worth a word: even sheets have up to 0.03.
 constexpr double kNoContact = 0.05;
-constexpr double kHaltedShare = 0.5;  // of the sub-steps of a step: from here on the motion is told to be wrong
-constexpr double kPatience = 0.5;     // s without fewer crossings, until nothing is pushed apart any longer
-constexpr int kMostSettling = 20;     // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
+constexpr double kPatience = 0.5;  // s without fewer crossings, until nothing is pushed apart any longer
+constexpr int kMostSettling = 20;  // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
 
 }  // namespace
 
@@ -123,11 +122,11 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (is_static && request.second_search > 0.0) start = points;
   const solve::TimeMarch::Outcome taken = findMotion(now, request);
   outcome.report = taken.report;
-  const Index num_stopped = loads_.self_contact ? loads_.self_contact->numStopped() : 0;
-  appendNotice(outcome.notice, describeStep(taken, params_.integrator, num_stopped));
+  outcome.is_static = taken.type == solve::IntegratorType::kStatic;
+  outcome.retried = taken.retried;
+  outcome.is_retried_implicitly = taken.is_retried_implicitly;
+  appendNotice(outcome.notice, describeChange(taken, params_.integrator));
   if (!taken.ok) return refuse(describeFailure(taken.failure), outcome);
-  appendNotice(outcome.notice, describeStopped());
-  appendNotice(outcome.notice, describeHalt(taken.report));
   const Timer search_timer;
   if (start && taken.report.converged) outcome.second_distance = searchAgain(now, request.second_search, *start);
   outcome.search_seconds = search_timer.seconds();
@@ -226,22 +225,6 @@ std::string Dynamics::describeCompliance() {
   if (where.empty()) return "";
   return "contact.compliance is " + formatShort(stated) + " m/Pa, and contact yields " + where +
          " without pads: where this is more, they have no effect";
-}
-
-// Reported once until the next reset.
-std::string Dynamics::describeStopped() {
-  if (!loads_.self_contact || loads_.self_contact->numStopped() == 0 || std::exchange(has_reported_stopped_, true)) return "";
-  return "parts of the surface met faster than the springs between them could stop; " +
-         std::to_string(loads_.self_contact->numStopped()) +
-         " points were stopped short in this step, which takes energy (statistics: stopped_points)";
-}
-
-// Reported once until the next reset.
-std::string Dynamics::describeHalt(const solve::SolveReport& report) {
-  if (!(report.halted > kHaltedShare * report.substeps) || std::exchange(has_reported_halt_, true)) return "";
-  return "parts of the surface press on each other so hard that keeping them from crossing took all motion within them in " +
-         std::to_string(report.halted) + " of " + std::to_string(report.substeps) +
-         " sub-steps of this step; accepted: weaker grips, slower tools and pins";
 }
 
 // Reported once until the next reset.

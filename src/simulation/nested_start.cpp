@@ -45,7 +45,8 @@ Points findNestedStart(const SceneParams& params, const RestSurface& level, cons
       if (!known_now.empty())
         dynamics.apply(command::SetState{{follow(params, shape, known, known_now), Points(shape.points.size(), Vec3::Zero())}});
       const Dynamics::Outcome outcome = dynamics.step();
-      if (!outcome.ok || !outcome.notice.empty()) return {};  // a notice: not converged, or a force that finds no point there
+      // A notice: a force that finds no point there.
+      if (!outcome.ok || !outcome.report.converged || !outcome.notice.empty()) return {};
       known = std::move(shape);
       known_now = dynamics.state().positions;
       // If cheap steps found it here, they also find it from further away, sooner than the next surface is built.

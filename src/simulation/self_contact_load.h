@@ -122,6 +122,7 @@ class SelfContactLimit : public solve::MotionLimit {
   void setParts(std::vector<Index> parts) { parts_ = std::move(parts); }
   /// Number of points stopped since the last forgetStopped().
   Index numStopped() const { return std::count(stopped_.begin(), stopped_.end(), char{1}); }
+  const std::vector<char>& stopped() const { return stopped_; }  // (n), or empty before the first limit()
   void forgetStopped() { std::fill(stopped_.begin(), stopped_.end(), char{0}); }
 
  private:

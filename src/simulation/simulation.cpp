@@ -11,6 +11,7 @@
 #include "accuracy.h"
 #include "accuracy_probe.h"
 #include "command_checks.h"
+#include "step_messages.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -20,6 +21,7 @@ bool isOne(const Command& command) {
   return (std::holds_alternative<Kinds>(command) || ...);
 }
 
+constexpr double kHaltedShare = 0.5;   // of the sub-steps of a step: from here on the motion is told to be wrong
 constexpr double kThickContact = 1.5;  // spacings: at two a run took four times as long as at a half
 
 // Refuses lengths in millimetres for metres, for example. Warns of a thickness that makes steps slow.
@@ -108,6 +110,7 @@ void Simulation::Impl::reset() {
   if (!warning.empty() && std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
   softening = 0.0;
   trial_notice.clear();
+  lasting.clear();
   is_target_missed = false;
   surface.reset();
   statistics = Statistics{};
@@ -138,10 +141,36 @@ StepOutcome Simulation::Impl::step() {
   if (taken.ok) takeStatistics(taken, timer.seconds());
   appendNotice(outcome.notice, taken.notice);
   outcome.ok = taken.ok;
+  outcome.has_converged = taken.report.converged;
+  outcome.was_retried = taken.retried.kind != solve::StepFailure::Kind::kNone;
+  if (taken.ok) {
+    appendNotice(outcome.notice, tellWhatLasts(taken));
+    outcome.notice = lasting.endStep(now, dt, taken.is_static, outcome.notice);
+  }
   if (!taken.ok)
     outcome.problem = "step " + std::to_string(dynamics().stepCount() + 1) + " at " + formatReal(now) + " s " + taken.failure +
                       "; the state before it is kept";
   return outcome;
+}
+
+// The beginnings, with the place if contact stopped points.
+std::string Simulation::Impl::tellWhatLasts(const EstimatedDynamics::Outcome& taken) {
+  const solve::SolveReport& report = taken.report;
+  const SelfContactLoads* const self = dynamics().loads().self_contact.get();
+  const Index stopped = self && !taken.has_slept ? self->numStopped() : 0;
+  std::string begun;
+  if (stopped > 0 && lasting.see(Lasting::kStopped, static_cast<double>(stopped)))
+    appendNotice(begun,
+                 "parts of the surface met faster than the springs between them could stop, which takes energy (statistics: "
+                 "stopped_points)");
+  if (report.halted > kHaltedShare * report.substeps && lasting.see(Lasting::kHalted)) appendNotice(begun, describeHalt(report));
+  if (taken.retried.kind != solve::StepFailure::Kind::kNone && lasting.see(Lasting::kRetried))
+    appendNotice(begun, describeRetry(taken.retried, taken.is_retried_implicitly, report.substeps));
+  if (!report.converged && lasting.see(Lasting::kUnbalanced, report.unbalanced))
+    appendNotice(begun, describeUnbalance(report, dynamics().params().integrator, taken.is_static, stopped > 0));
+  if (begun.empty()) return begun;
+  if (const std::optional<Jam> jam = dynamics().findJam()) appendNotice(begun, describeJam(*jam));
+  return begun;
 }
 
 void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
@@ -180,6 +209,7 @@ StepOutcome Simulation::step() {
   return impl_->step();
 }
 void Simulation::setInterrupt(const std::atomic<bool>* interrupt) { impl_->run.setInterrupt(interrupt); }
+std::string Simulation::lastingNotices() const { return impl_->lasting.endRun(); }
 double Simulation::time() const { return dynamics().time(); }
 std::uint64_t Simulation::stepCount() const { return dynamics().stepCount(); }
 const SceneParams& Simulation::params() const { return dynamics().params(); }

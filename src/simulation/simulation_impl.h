@@ -11,6 +11,7 @@
 
 #include "deformed_surface.h"
 #include "estimated_dynamics.h"
+#include "lasting_notices.h"
 
 namespace deformable_surface::simulation {
 
@@ -49,6 +50,7 @@ struct Simulation::Impl {
   double softening = 0.0;         // m, effect of the softer membrane so far, in the trial
   std::string trial_notice;       // for the next step: the trial has ended
   bool is_target_missed = false;  // said since the last reset
+  LastingNotices lasting;         // since the last reset, fork or snapshot
 
   Statistics statistics;
   std::optional<std::uint64_t> measured_revision;  // of the dynamics, that the statistics are of
@@ -70,6 +72,7 @@ struct Simulation::Impl {
 
   StepOutcome step();
   void finishStep(EstimatedDynamics::Outcome& taken);
+  std::string tellWhatLasts(const EstimatedDynamics::Outcome& taken);
 
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);
   std::shared_ptr<const Snapshot::Contents> save(bool is_sight) const;

@@ -78,6 +78,7 @@ std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) 
 void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   run.restore(saved.dynamics, saved.estimate.get(), is_viewer);
   trial_notice.clear();
+  lasting.clear();
   restoreLooks(saved.looks);
 }
 

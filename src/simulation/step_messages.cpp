@@ -1,6 +1,5 @@
 #include "step_messages.h"
 
-#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/params.h"
 
 namespace deformable_surface::simulation {
@@ -9,47 +8,20 @@ namespace {
 using solve::IntegratorParams;
 using solve::IntegratorType;
 using Failure = solve::StepFailure::Kind;
-using Outcome = solve::TimeMarch::Outcome;
 
 constexpr double kFar = 0.01;  // of the largest force: above it, more iterations would not help
 
-std::string describeChange(const Outcome& outcome, const IntegratorParams& params) {
-  if (!outcome.has_changed_type) return "";
-  if (outcome.type == IntegratorType::kVerlet) return "integrator.type auto: sub-steps fit again; verlet is used";
-  return "integrator.type auto: verlet needs " + std::to_string(outcome.verlet_substeps) +
-         " sub-steps per step, more than max_substeps " + std::to_string(params.max_substeps) + "; implicit is used, which damps";
-}
-
-std::string describeRetry(const Outcome& outcome) {
-  if (outcome.retried.kind == Failure::kNone) return "";
-  return "a step " + describeFailure(outcome.retried) + ", and was taken " +
-         (outcome.is_retried_implicitly ? "with the implicit method, which damps"
-                                        : "again with " + std::to_string(outcome.report.substeps) + " sub-steps");
-}
-
-std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, Index num_stopped) {
+std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, bool has_stopped) {
   const std::string smaller = "a smaller time_step or ";
-  if (num_stopped > 0 && !(report.unbalanced < kFar))
-    return "contact stopped " + std::to_string(num_stopped) +
-           " points short, and bears what is unbalanced: as where pins push parts into each other that cannot give way";
+  if (has_stopped)
+    return report.unbalanced < kFar ? "contact stopped points in its way"
+                                    : "contact stopped points, and bears what is unbalanced";
   if (!(report.unbalanced < kFar))
     return "far from balance, as where forces are more than a surface bears: smaller ones, " +
            (is_static ? "more integrator.max_iterations or " : smaller) + "a reset help";
   if (report.is_out_of_iterations) return "more integrator.max_iterations or a larger integrator.tolerance end this";
   return "no iteration came nearer, as where a surface folds: " + (is_static ? "" : smaller) + "a larger integrator.tolerance " +
          (is_static ? "helps" : "help");
-}
-
-// About a search that ended before the forces were balanced.
-std::string describeUnbalance(const Outcome& outcome, const IntegratorParams& params, Index num_stopped) {
-  const solve::SolveReport& report = outcome.report;
-  if (!outcome.ok || report.converged) return "";
-  const bool is_static = outcome.type == IntegratorType::kStatic;
-  const std::string most = "integrator.max_iterations, " + std::to_string(params.max_iterations);
-  return "the solver stopped after " + std::to_string(report.iterations) + " iterations in all its searches (each of at most " +
-         most + ") with " + formatShort(report.unbalanced) +
-         " of the largest force unbalanced in place of integrator.tolerance, " + formatShort(params.tolerance) + "; " +
-         adviseOnUnbalance(report, is_static, num_stopped);
 }
 
 }  // namespace
@@ -71,11 +43,30 @@ std::string describeFailure(const solve::StepFailure& failure) {
   return "";
 }
 
-std::string describeStep(const Outcome& outcome, const IntegratorParams& params, Index num_stopped) {
-  std::string notice = describeChange(outcome, params);
-  appendNotice(notice, describeRetry(outcome));
-  appendNotice(notice, describeUnbalance(outcome, params, num_stopped));
-  return notice;
+std::string describeChange(const solve::TimeMarch::Outcome& outcome, const IntegratorParams& params) {
+  if (!outcome.has_changed_type) return "";
+  if (outcome.type == IntegratorType::kVerlet) return "integrator.type auto: sub-steps fit again; verlet is used";
+  return "integrator.type auto: verlet needs " + std::to_string(outcome.verlet_substeps) +
+         " sub-steps per step, more than max_substeps " + std::to_string(params.max_substeps) + "; implicit is used, which damps";
+}
+
+std::string describeRetry(const solve::StepFailure& why, bool is_implicit, Index substeps) {
+  return "a step " + describeFailure(why) + ", and was taken " +
+         (is_implicit ? "with the implicit method, which damps" : "again with " + std::to_string(substeps) + " sub-steps");
+}
+
+std::string describeUnbalance(const solve::SolveReport& report, const IntegratorParams& params, bool is_static,
+                              bool has_stopped) {
+  const std::string most = "integrator.max_iterations, " + std::to_string(params.max_iterations);
+  return "the solver stopped after " + std::to_string(report.iterations) + " iterations in all its searches (each of at most " +
+         most + ") with " + formatShort(report.unbalanced) +
+         " of the largest force unbalanced in place of integrator.tolerance, " + formatShort(params.tolerance) + "; " +
+         adviseOnUnbalance(report, is_static, has_stopped);
+}
+
+std::string describeHalt(const solve::SolveReport& report) {
+  return "parts of the surface press on each other so hard that keeping them from crossing took all motion within them in " +
+         std::to_string(report.halted) + " of " + std::to_string(report.substeps) + " sub-steps of this step";
 }
 
 }  // namespace deformable_surface::simulation

@@ -10,8 +10,14 @@ namespace deformable_surface::simulation {
 /// Why a step failed, as the end of "step 3 ..."; empty for no failure.
 std::string describeFailure(const solve::StepFailure& failure);
 
-/// The notice about a step: another integrator, repeated steps, forces that were not balanced; empty if there is nothing
-/// to say. params: those that the step was taken with. num_stopped: points that self-contact stopped short.
-std::string describeStep(const solve::TimeMarch::Outcome& outcome, const solve::IntegratorParams& params, Index num_stopped = 0);
+/// The notice of a step that `auto` took by another integrator than the one before; else empty. params: of the step.
+std::string describeChange(const solve::TimeMarch::Outcome& outcome, const solve::IntegratorParams& params);
+/// Of a step that was taken again: why, and how. substeps: of the last time.
+std::string describeRetry(const solve::StepFailure& why, bool is_implicit, Index substeps);
+/// Of a search that ended before the forces were balanced. has_stopped: contact of the surface with itself stopped points short.
+std::string describeUnbalance(const solve::SolveReport& report, const solve::IntegratorParams& params, bool is_static,
+                              bool has_stopped);
+/// Of a step in which contact took the motion of parts, in so many sub-steps.
+std::string describeHalt(const solve::SolveReport& report);
 
 }  // namespace deformable_surface::simulation

@@ -291,7 +291,7 @@ TEST(SelfContactLoad, ImplicitStepsBalanceLayersThatArePressedTogether) {
     for (int k = 0; k < 50; ++k) {
       const simulation::StepOutcome outcome = s.step();
       ASSERT_TRUE(outcome.ok) << outcome.problem;
-      EXPECT_EQ(outcome.notice.find("unbalanced"), std::string::npos) << offset << ' ' << k << ' ' << outcome.notice;
+      EXPECT_TRUE(outcome.has_converged) << offset << ' ' << k << ' ' << outcome.notice;
       touched = std::max(touched, static_cast<Index>(s.statistics().self_contacts));
     }
     EXPECT_GT(touched, 30);

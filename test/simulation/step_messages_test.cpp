@@ -42,7 +42,7 @@ TEST(StepMessages, AFailureIsTheEndOfASentence) {
 TEST(StepMessages, OfAStepLikeTheLastThereIsNothingToSay) {
   Outcome outcome;
   outcome.type = IntegratorType::kVerlet;
-  EXPECT_EQ(describeStep(outcome, IntegratorParams()), "");
+  EXPECT_EQ(describeChange(outcome, IntegratorParams()), "");
 }
 
 TEST(StepMessages, AChangeOfTheIntegratorIsSaidBothWays) {
@@ -52,52 +52,54 @@ TEST(StepMessages, AChangeOfTheIntegratorIsSaidBothWays) {
   outcome.has_changed_type = true;
   outcome.type = IntegratorType::kImplicit;
   outcome.verlet_substeps = 70;
-  EXPECT_EQ(describeStep(outcome, params),
+  EXPECT_EQ(describeChange(outcome, params),
             "integrator.type auto: verlet needs 70 sub-steps per step, more than max_substeps 50; implicit is used, which damps");
   outcome.type = IntegratorType::kVerlet;
-  EXPECT_EQ(describeStep(outcome, params), "integrator.type auto: sub-steps fit again; verlet is used");
+  EXPECT_EQ(describeChange(outcome, params), "integrator.type auto: sub-steps fit again; verlet is used");
 }
 
 TEST(StepMessages, AStepThatWasTakenAgainIsSaidWithItsReason) {
-  Outcome outcome;
-  outcome.type = IntegratorType::kVerlet;
-  outcome.retried.kind = StepFailure::Kind::kNotFinite;
-  outcome.report.substeps = 12;
-  EXPECT_EQ(describeStep(outcome, IntegratorParams()),
-            "a step gave values that are not finite, and was taken again with 12 sub-steps");
-  outcome.is_retried_implicitly = true;
-  EXPECT_EQ(describeStep(outcome, IntegratorParams()),
+  const StepFailure why = makeFailure(StepFailure::Kind::kNotFinite);
+  EXPECT_EQ(describeRetry(why, false, 12), "a step gave values that are not finite, and was taken again with 12 sub-steps");
+  EXPECT_EQ(describeRetry(why, true, 12),
             "a step gave values that are not finite, and was taken with the implicit method, which damps");
 }
 
 TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
-  IntegratorParams params;
-  Outcome outcome;
-  outcome.type = IntegratorType::kStatic;
-  outcome.report.converged = false;
-  outcome.report.iterations = 7;
-  const auto adviceOf = [&] {
-    const std::string notice = describeStep(outcome, params);
+  solve::SolveReport report;
+  report.converged = false;
+  report.iterations = 7;
+  const auto adviceOf = [&](bool is_static, bool has_stopped = false) {
+    const std::string notice = describeUnbalance(report, IntegratorParams(), is_static, has_stopped);
     EXPECT_EQ(notice.find("the solver stopped after 7 iterations in all its searches ("), 0u) << notice;
     return notice.substr(notice.find(';') + 2);
   };
-  outcome.report.unbalanced = 0.5;
-  EXPECT_EQ(adviceOf(),
+  report.unbalanced = 0.5;
+  EXPECT_EQ(adviceOf(true),
             "far from balance, as where forces are more than a surface bears: smaller ones, more integrator.max_iterations or a "
             "reset help");
-  EXPECT_NE(
-      describeStep(outcome, params, 3).find("; contact stopped 3 points short, and bears what is unbalanced: as where pins"),
-      std::string::npos);
-  outcome.report.unbalanced = 0.001;
-  EXPECT_EQ(adviceOf(), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance helps");
-  outcome.report.is_out_of_iterations = true;
-  EXPECT_EQ(adviceOf(), "more integrator.max_iterations or a larger integrator.tolerance end this");
-  outcome.report.is_out_of_iterations = false;
-  outcome.type = IntegratorType::kImplicit;
-  EXPECT_EQ(adviceOf(),
+  report.unbalanced = 0.001;
+  EXPECT_EQ(adviceOf(true), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance helps");
+  EXPECT_EQ(adviceOf(false),
             "no iteration came nearer, as where a surface folds: a smaller time_step or a larger integrator.tolerance help");
-  outcome.ok = false;  // the failure is sufficient
-  EXPECT_EQ(describeStep(outcome, params), "");
+  report.is_out_of_iterations = true;
+  EXPECT_EQ(adviceOf(true), "more integrator.max_iterations or a larger integrator.tolerance end this");
+}
+
+// Smaller steps and more iterations ended it in none of the stacks between plates that were tried.
+TEST(StepMessages, WhereContactStopsPointsNothingIsAdvised) {
+  solve::SolveReport report;
+  report.converged = false;
+  for (const double unbalanced : {0.5, 0.001}) {
+    for (const bool is_out : {false, true}) {
+      report.unbalanced = unbalanced;
+      report.is_out_of_iterations = is_out;
+      const std::string notice = describeUnbalance(report, IntegratorParams(), false, true);
+      EXPECT_NE(notice.find("; contact stopped points"), std::string::npos) << notice;
+      for (const char* advice : {"smaller", "more integrator", "larger integrator"})
+        EXPECT_EQ(notice.find(advice), std::string::npos) << notice;
+    }
+  }
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct StabilityVerdict {
   Kind kind = kPassed;
   std::string reason;  // of the cases that did not pass
   double gain = 0.0;   // largest created energy over the largest kinetic + elastic energy until then
-  int notices = 0;     // steps with a notice
+  int notices = 0;     // steps with a notice, or in a state of which one told
 };
 
 class StabilityJudge {
@@ -111,7 +111,7 @@ class StabilityJudge {
       const std::size_t forces_before = simulation_.activeForces().size();
       Energy energy_before = measure();
       const simulation::StepOutcome outcome = simulation_.step();
-      if (!outcome.notice.empty()) ++verdict_.notices;
+      if (!outcome.notice.empty() || !outcome.has_converged || outcome.was_retried) ++verdict_.notices;
       if (!outcome.ok) {
         if (outcome.problem.empty()) return fail("a step was refused without a sentence");
         if (simulation_.stateHash() != hash) return fail("a refused step changed the state");

@@ -10,4 +10,7 @@ inline void appendNotice(std::string& notice, const std::string& more) {
   if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
 }
 
+/// The part of a sentence that tells its cause from others: quoted names as they are, the rest without characters of numbers.
+std::string withoutNumbers(const std::string& sentence);
+
 }  // namespace deformable_surface

@@ -22,9 +22,11 @@ struct RestSurface;
 /// The result of one step. Numbers that are not finite never throw: the state is then as it was before the step.
 struct StepOutcome {
   bool ok = true;
-  std::string problem;  // one sentence: which quantity, at which point, at which time
-  std::string notice;   // for the user of a step that succeeded (auto chose another integrator, a force begins where it
-                        // cannot act as meant); else empty
+  std::string problem;        // one sentence: which quantity, at which point, at which time
+  std::string notice;         // for the user of a step that succeeded (auto chose another integrator, a force begins where it
+                              // cannot act as meant); else empty. What lasts is told in its first step and after its last one
+  bool has_converged = true;  // implicit and static steps: the forces were balanced
+  bool was_retried = false;   // the step was not sound at first
 };
 
 /// The deformed surface: one row per input point in the input's order, then the inserted points.
@@ -71,6 +73,9 @@ class Simulation {
   /// Once this is true, a running step ends soon, between two evaluations of the forces or within one, as a failed step:
   /// everything is as before it. Null = never. It must outlive the simulation; forks have none.
   void setInterrupt(const std::atomic<bool>* interrupt);
+  /// Of what notices told to begin, and not yet to end, since the last reset: in how many steps it was so. Empty: nothing. For
+  /// the end of a run.
+  std::string lastingNotices() const;
   double time() const;  // s since rest
   std::uint64_t stepCount() const;
   const SceneParams& params() const;

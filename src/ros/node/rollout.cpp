@@ -1,6 +1,7 @@
 #include "rollout.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/ros/convert/commands.h"
 #include "deformable_surface/ros/convert/encode.h"
@@ -153,6 +154,7 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
     if (notices.empty()) notices = outcome.notice;
     record(step);
   }
+  appendNotice(notices, copy.lastingNotices());
   return end(RolloutEnd::kDone, "took " + std::to_string(plan.steps) + " steps" + (notices.empty() ? "" : "; " + notices));
 }
 

@@ -109,6 +109,7 @@ class Stepper {
  private:
   // In stepper_clock.cpp:
   void handleClock(const ClockChange& clock);
+  void tellWhatLasted();
   void restart(std::int64_t now);
   std::int64_t delayed(std::int64_t clock) const;
   void letGoOfLag(double call_seconds);

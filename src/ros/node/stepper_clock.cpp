@@ -38,7 +38,14 @@ void Stepper::handleClock(const ClockChange& clock) {
   show();
 }
 
+// Before the surface begins anew, or another one comes.
+void Stepper::tellWhatLasted() {
+  const std::string lasted = simulation_->lastingNotices();
+  if (!lasted.empty()) warnings_.report(Warning::kNotice, "until the end of this run: " + lasted);
+}
+
 void Stepper::restart(std::int64_t now) {
+  tellWhatLasted();
   simulation_->reset();
   beginAnew(schedule_.zero());
   skipTo(now, 0);

@@ -166,6 +166,7 @@ void Stepper::begin(CloudResult&& result) {
   // Commands for the surface before are not for this one, except those since its stamp. Before the first surface there was no
   // other that they could be for.
   if (simulation_) {
+    tellWhatLasted();
     commands_.takeBack();
     commands_.dropBefore(result.stamp);
   }

@@ -1,10 +1,10 @@
 #include "warning_log.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 
 #include <ros/console.h>
 
-#include <cstring>
 #include <iterator>
 
 namespace deformable_surface::node {
@@ -14,17 +14,6 @@ namespace {
 constexpr std::chrono::seconds kSilence(5);
 // More causes than a user's mistakes make; changing names must fill neither the memory nor the log.
 constexpr std::size_t kMaxCauses = 32;
-
-// The part of a sentence that distinguishes causes: quoted names as they are, the rest without characters of numbers.
-std::string withoutNumbers(const std::string& text) {
-  std::string result;
-  bool is_quoted = false;
-  for (const char c : text) {
-    if (c == '\'') is_quoted = !is_quoted;
-    if (is_quoted || std::strchr("0123456789.+-e", c) == nullptr) result += c;
-  }
-  return result;
-}
 
 }  // namespace
 

@@ -19,6 +19,8 @@ namespace deformable_surface::node {
 void Run::finish() {
   const double wall_time = timer_.seconds();
   progress_.clear();
+  const std::string lasting = simulation_->lastingNotices();
+  if (!lasting.empty()) note("until the end of the run: " + lasting);
   if (!options_.final_file.empty()) {
     const simulation::Surface& surface = simulation_->surface(true);
     io::writePointFile(options_.final_file, makeOutputCloud(surface, simulation_->input()), surface.displacement);
