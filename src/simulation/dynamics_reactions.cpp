@@ -11,7 +11,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Spacings: layers pressed by what pushes them are no farther from it. Chosen on stacks of 2 to 4 layers between boxes and pins.
+// Spacings: layers pressed by what pushes them are no farther from it. Chosen on a few scenes of 2 to 4 layers between boxes and
+// pins.
 constexpr double kNearJam = 3.0;
 
 }  // namespace
