@@ -1,4 +1,5 @@
 // The limit of motion: no two parts cross, whatever the forces are.
+#include "deformable_surface/base/disjoint_sets.h"
 #include "deformable_surface/contact/self_contact.h"
 
 #include <algorithm>
@@ -163,39 +164,28 @@ bool SelfContact::collide(Approach& approach, double settled) {
 // Zones of pairs that still come too near move on as one rigid zone with their total momentum, or stay where one of their points
 // is fixed. Zones that then come too near others are merged with them, until none does.
 void SelfContact::stopTogether() {
-  const auto find = [&](Index i) {
-    while (zone_[i] != i) i = zone_[i] = zone_[zone_[i]];
-    return i;
-  };
   const Index n = static_cast<Index>(ways_.size());
   bool has_zones = false;
   for (bool is_done = false; !is_done;) {
     is_done = true;
     for (const Approach& approach : approaches_) {
       if (!(findWorst(approach).excess > kRounding)) continue;
-      if (!has_zones) {
-        zone_.resize(n);
-        for (Index i = 0; i < n; ++i) zone_[i] = i;
-        has_zones = true;
-      }
-      for (const Index v : approach.vertices) {
-        const Index a = find(approach.vertices[0]), b = find(v);
-        if (a == b) continue;
-        zone_[std::max(a, b)] = std::min(a, b);
-        is_done = false;
-      }
+      if (!has_zones) makeSingleSets(n, zone_);
+      has_zones = true;
+      for (const Index v : approach.vertices)
+        if (joinSets(zone_, approach.vertices[0], v)) is_done = false;
     }
     if (is_done) return;
     // The motion of a zone is stored at its first point.
     zone_motion_.assign(n, Vec3::Zero());
     zone_mass_.assign(n, 0.0);
     for (Index i = 0; i < n; ++i) {
-      const Index zone = find(i);
+      const Index zone = findRoot(zone_, i);
       zone_motion_[zone] += masses_[i] * ways_[i];
       zone_mass_[zone] += mobility_[i] > 0.0 ? masses_[i] : std::numeric_limits<double>::infinity();
     }
     for (Index i = 0; i < n; ++i) {
-      const Index zone = find(i);
+      const Index zone = findRoot(zone_, i);
       if (zone_mass_[zone] == masses_[i]) continue;  // alone
       const Vec3 motion = std::isfinite(zone_mass_[zone]) ? Vec3(zone_motion_[zone] / zone_mass_[zone]) : Vec3::Zero();
       if (ways_[i] == motion) continue;

@@ -1,7 +1,6 @@
 #include "skin_holes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <set>

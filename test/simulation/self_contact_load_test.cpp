@@ -8,6 +8,7 @@
 
 #include "../support/contact_scenes.h"
 #include "../support/crossings.h"
+#include "../support/whole_triangles.h"
 
 namespace deformable_surface::test {
 namespace {
@@ -334,7 +335,9 @@ TEST(SelfContactLoad, ImplicitStepsSlowDownNoPartThatNothingTouches) {
       ASSERT_TRUE(outcome.ok) << outcome.problem;
       touched = std::max(touched, static_cast<Index>(s.statistics().self_contacts));
     }
-    if (self) EXPECT_GT(touched, 50);
+    if (self) {
+      EXPECT_GT(touched, 50);
+    }
     const double fallen = 0.5 * 9.81 * s.time() * s.time();
     for (Index i = 3 * across * across; i < s.state().size(); ++i)
       EXPECT_NEAR(s.state().positions[i].z(), -fallen, (self ? 1e-4 : 5e-3) * fallen);
@@ -458,15 +461,6 @@ TEST(SelfContactLoad, WhereNothingComesNearTheBitsAreThoseWithoutContact) {
       EXPECT_EQ(s.stateHash(), hash) << tilt;
     }
   }
-}
-
-// The triangles that are still part of the surface.
-std::vector<contact::Triangle> listWhole(const simulation::ContactSkin& skin, const model::DeformableModel& model) {
-  const std::vector<char> is_whole = skin.findWhole(trianglesOf(model));
-  std::vector<contact::Triangle> whole;
-  for (std::size_t t = 0; t < is_whole.size(); ++t)
-    if (is_whole[t] != 0) whole.push_back(skin.triangles[t]);
-  return whole;
 }
 
 // The number of triangles that are cut or torn, and the largest number of contacts, in a run in which nothing may cross.

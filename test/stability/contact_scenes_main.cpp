@@ -13,6 +13,7 @@
 #include "../../src/simulation/self_contact_load.h"
 #include "../support/contact_scenes.h"
 #include "../support/crossings.h"
+#include "../support/whole_triangles.h"
 
 namespace deformable_surface::test {
 namespace {
@@ -29,14 +30,6 @@ struct Row {
   std::uint64_t hash = 0;
   std::string refused;
 };
-
-std::vector<contact::Triangle> listWhole(const simulation::ContactSkin& skin, const model::DeformableModel& model) {
-  const std::vector<char> is_whole = skin.findWhole(trianglesOf(model));
-  std::vector<contact::Triangle> whole;
-  for (std::size_t t = 0; t < is_whole.size(); ++t)
-    if (is_whole[t] != 0) whole.push_back(skin.triangles[t]);
-  return whole;
-}
 
 Row run(const ContactScene& scene, bool looks) {
   Row row;
