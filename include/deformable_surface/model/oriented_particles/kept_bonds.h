@@ -79,8 +79,9 @@ class PresentBonds {
   /// orientations. If that of each triangle t alone is at most r_t times the identity of its corners, then the bound of a
   /// particle is the sum of r_t over its triangles. K of a triangle is G^T S G, with the gradients G of its three e, c and s and
   /// their stiffness S, and slopes of energy times second derivatives. The eigenvalues of the first are those of S G G^T; a bound
-  /// from the mean and the deviation of their squares [Wolkowicz 1980] stands for the largest. Norms bound the others. What
-  /// softens is left out, but for a stretched bond along itself. Parallel.
+  /// from mean and deviation of their squares [Wolkowicz 1980] stands for the largest. Norms over all three corners bound the
+  /// rest, without turns about normals, which move nothing. What softens is left out, but for stretched bonds along themselves.
+  /// Parallel.
   void addRowBounds(const PackedParticles& particles, double inertia_by_mass, std::vector<double>& bounds) const;
 
   /// Four triangles as the loops read them; lengths and strains are those of the edges from corner to corner.
