@@ -192,12 +192,14 @@ std::size_t OrientedParticles::bytes() const {
   std::size_t numbers = masses_.capacity() + inertias_.capacity() + strain_.capacity();
   for (const std::vector<double>* packed : {&packed_.places, &packed_.normals, &packed_.curvatures})
     numbers += packed->capacity();
-  for (const std::vector<double>* rows : {&row_maxima_, &row_bounds_}) numbers += rows->capacity();
+  for (const std::vector<double>* rows : {&row_maxima_, &row_bounds_, &weights_, &products_}) numbers += rows->capacity();
   const std::size_t vectors = torques_.capacity() + normals_.capacity() + rest_curvatures_.capacity();
-  const std::size_t indices = strangers_.capacity() + stranger_begins_.capacity();
+  const std::size_t indices = strangers_.capacity() + stranger_begins_.capacity() + touching_.capacity() +
+                              touch_numbers_.capacity() + touch_begins_.capacity();
   return lists_.bytes() + partners_.bytes() + cuts_.bytes() + bonds_.bytes() + (kept_ ? kept_->bytes() : 0) +
          numbers * sizeof(double) + indices * sizeof(Index) + vectors * sizeof(Vec3) + has_flowed_.capacity() +
-         links_.capacity() * sizeof(std::pair<Index, Index>) + triangles_.capacity() * sizeof(WeightedTriangle);
+         touches_.capacity() * sizeof(std::pair<Index, double>) + links_.capacity() * sizeof(std::pair<Index, Index>) +
+         triangles_.capacity() * sizeof(WeightedTriangle);
 }
 
 }  // namespace deformable_surface::model

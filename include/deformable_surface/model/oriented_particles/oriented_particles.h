@@ -139,6 +139,7 @@ class OrientedParticles : public DeformableModel,
   void listStrangers() const;
   template <class Take>
   void forEachStranger(Index i, const Take& take) const;
+  double boundKeptFrequency() const;
   void addKeptBounds(double inertia_by_mass, std::vector<double>& bounds) const;
   std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
@@ -167,9 +168,12 @@ class OrientedParticles : public DeformableModel,
   mutable bool has_bonds_ = false;  // they are those of the population
   mutable NeighborList lists_;
   mutable std::vector<Index> strangers_, stranger_begins_;  // of each particle: those near it without a bond, with kept bonds
-  mutable Index strangers_of_ = 0;                          // the number of rebuilds of the lists that they are of
-  NeighborList partners_;                                   // for parts of the surface
-  bool has_partners_ = true;                                // false: unknown, and all are partners
+  mutable std::vector<Index> touching_, touch_numbers_, touch_begins_;  // those nearer than strangers repel, and of each: numbers
+  mutable std::vector<std::pair<Index, double>> touches_;               // 1/s^2
+  mutable std::vector<double> weights_, products_;
+  mutable Index strangers_of_ = 0;  // the number of rebuilds of the lists that they are of
+  NeighborList partners_;           // for parts of the surface
+  bool has_partners_ = true;        // false: unknown, and all are partners
   mutable PackedParticles packed_;
   mutable Points torques_;
   mutable std::vector<double> strain_, row_maxima_, row_bounds_;
