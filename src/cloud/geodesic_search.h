@@ -84,75 +84,72 @@ class Search {
   std::vector<Entry> queue_;
 };
 
-/// True if paths over listed neighbours alone, taken nearest first, already show that none of them needs more than a detour: an
-/// upper bound of the distances that is nearly always enough, at a fraction of the cost of a search.
+/// Shows for most pairs of a point and a listed one, at a fraction of the cost of a search, that no detour separates them: by any
+/// path over listed points that is short enough. Not for all: the paths that it meets are not the shortest ones.
 class QuickCheck {
  public:
   explicit QuickCheck(const GeodesicGraph& graph) : graph_(graph) {}
 
+  /// Whether this is shown for all of the list.
   bool run(Index i, const Points& positions, const Index* begin, const Index* end, double max_detour) {
-    if (isReachedInOrder(i, positions, begin, end, max_detour)) return true;
     met_.clear();
-    most_.clear();
-    for (const Index* j = begin; j != end; ++j) {
-      met_.add(*j);
-      most_.push_back(max_detour * (positions[*j] - positions[i]).norm());
-    }
-    missing_ = most_.size();
-    bound_.assign(end - begin, std::numeric_limits<double>::infinity());
-    relax(i, 0.0);
-    // Bounds only fall. Once none is missing, the answer is known. A second pass finds paths that lead back.
-    for (int pass = 0; pass < kPasses; ++pass) {
-      for (std::size_t m = 0; m < bound_.size() && missing_ > 0; ++m) {
-        if (bound_[m] < std::numeric_limits<double>::infinity()) relax(begin[m], bound_[m]);
-      }
-    }
-    return missing_ == 0;
-  }
-  // Whether the pass showed this for the entry at `place` of the list. After a run that returned false.
-  bool isShown(std::size_t place) const { return bound_[place] <= most_[place]; }
-
- private:
-  // The same with the first path found to each point, whose last link begins at one taken before. Where this succeeds, run()
-  // would have done so, too: it looks at these paths among others. Most links are then not looked at. Links are read backwards: a
-  // graph's costs are the same in both directions.
-  bool isReachedInOrder(Index i, const Points& positions, const Index* begin, const Index* end, double max_detour) {
-    met_.clear();
-    met_.add(i);
-    bound_.assign(1, 0.0);
+    bound_.clear();
+    waiting_.clear();
+    is_shown_.assign(end - begin, 1);
+    reach(i, 0.0);
+    // Links of a graph made from these lists have their order.
+    Index own = graph_.links.offsets[i];
     for (const Index* j = begin; j != end; ++j) {
       const double most = max_detour * (positions[*j] - positions[i]).norm();
-      const auto findPath = [&] {
-        for (Index e = graph_.links.offsets[*j]; e < graph_.links.offsets[*j + 1]; ++e) {
-          const Index from = met_.find(graph_.links.items[e]);
-          if (from < 0 || !(bound_[from] + graph_.cost[e] <= most)) continue;
-          met_.add(*j);
-          bound_.push_back(bound_[from] + graph_.cost[e]);
-          return true;
-        }
-        return false;
-      };
-      if (!findPath()) return false;
+      const bool is_linked = own < graph_.links.offsets[i + 1] && graph_.links.items[own] == *j;
+      const double cost = is_linked ? graph_.cost[own++] : std::numeric_limits<double>::infinity();
+      const Waiting to{*j, static_cast<Index>(j - begin), most};
+      if (cost <= most)
+        reach(*j, cost);
+      else if (!findPath(to))
+        waiting_.push_back(to);
     }
-    return true;
+    for (int pass = 0; pass < kPasses && !waiting_.empty(); ++pass)
+      waiting_.erase(std::remove_if(waiting_.begin(), waiting_.end(), [&](const Waiting& to) { return findPath(to); }),
+                     waiting_.end());
+    for (const Waiting& to : waiting_) is_shown_[to.place] = 0;
+    return waiting_.empty();
   }
 
-  void relax(Index from, double cost) {
-    for (Index e = graph_.links.offsets[from]; e < graph_.links.offsets[from + 1]; ++e) {
-      const Index to = met_.find(graph_.links.items[e]);
-      if (to < 0 || !(cost + graph_.cost[e] < bound_[to])) continue;
-      missing_ -= !(bound_[to] <= most_[to]) && cost + graph_.cost[e] <= most_[to];
-      bound_[to] = cost + graph_.cost[e];
-    }
+  /// Of the last run, for the entry at `place` of the list.
+  bool isShown(std::size_t place) const { return is_shown_[place] != 0; }
+
+ private:
+  struct Waiting {
+    Index point, place;
+    double most;  // m, the longest path that is no detour
+  };
+
+  void reach(Index point, double bound) {
+    met_.add(point);
+    bound_.push_back(bound);
   }
 
-  // A search costs as much as several tens of passes.
+  // Takes the first link with a point that has been reached, if that is no detour: most links are then not looked at. They are
+  // read backwards: a graph's costs are the same in both directions.
+  bool findPath(const Waiting& to) {
+    for (Index e = graph_.links.offsets[to.point]; e < graph_.links.offsets[to.point + 1]; ++e) {
+      const Index from = met_.find(graph_.links.items[e]);
+      if (from < 0 || !(bound_[from] + graph_.cost[e] <= to.most)) continue;
+      reach(to.point, bound_[from] + graph_.cost[e]);
+      return true;
+    }
+    return false;
+  }
+
+  // Later passes find paths over points that are listed later. A search costs as much as several tens of passes.
   static constexpr int kPasses = 2;
 
   const GeodesicGraph& graph_;
   PointMap met_;
-  std::vector<double> bound_, most_;  // m, of the listed points: the bound found, and the longest path that is no detour
-  std::size_t missing_ = 0;           // listed points whose bound is above that
+  std::vector<double> bound_;     // m, of the points met: the length of a path to them
+  std::vector<Waiting> waiting_;  // listed points that have not been reached
+  std::vector<char> is_shown_;    // by place in the list
 };
 
 }  // namespace deformable_surface::cloud
