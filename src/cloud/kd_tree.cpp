@@ -26,6 +26,7 @@ constexpr int kMaxDepth = 40;
 // A tree is built in so many branches at a time, unless they are small.
 constexpr std::size_t kMaxBranches = 64;
 constexpr Index kSmallBranch = 4096;
+constexpr Index kBlock = 1 << 15;  // slots per task of the loops that only copy: less than a millisecond of work
 
 // Nodes of the trees of n and of n + 1 points: halves of both have one of two sizes.
 std::pair<Index, Index> countNodes(Index n) {
@@ -63,16 +64,20 @@ inline double squaredDistanceToBox(const double* lo, const double* hi, const Vec
 KdTree::KdTree(const Points& points) {
   const Index n = static_cast<Index>(points.size());
   slots_.resize(n);
-  for (Index i = 0; i < n; ++i) {
-    if (!points[i].allFinite()) {
-      throw InputError("kd-tree: point " + std::to_string(i) + " is not finite; only finite points can be searched");
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      if (!points[i].allFinite()) {
+        throw InputError("kd-tree: point " + std::to_string(i) + " is not finite; only finite points can be searched");
+      }
+      slots_[i] = {points[i].x(), points[i].y(), points[i].z(), i};
     }
-    slots_[i] = {points[i].x(), points[i].y(), points[i].z(), i};
-  }
+  });
   slot_of_.resize(n);
   rebuild();
   order_.resize(n);
-  for (Index s = 0; s < n; ++s) order_[s] = slots_[s].point;
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index s = begin; s < end; ++s) order_[s] = slots_[s].point;
+  });
 }
 
 // Level by level on all cores, as long as there is more than a task for each, then branch by branch.
@@ -99,7 +104,9 @@ void KdTree::rebuild() {
     parallelFor(static_cast<Index>(branches.size()), 1,
                 [&](Index b, Index) { build(branches[b].node, branches[b].begin, branches[b].end); });
   }
-  for (Index s = 0; s < num_alive_; ++s) slot_of_[slots_[s].point] = s;
+  parallelFor(num_alive_, kBlock, [&](Index begin, Index end) {
+    for (Index s = begin; s < end; ++s) slot_of_[slots_[s].point] = s;
+  });
 }
 
 // One node, of which the slots are halved. Returns where the second half begins, or the end of a leaf.
