@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -65,8 +66,8 @@ void appendNeighborsOfNeighbors(const Points& positions, const Lists& neighbors,
     }
 }
 
-// Calls visit(i, linked, star) for every point, in parallel: linked neighbours, of which the star names some. isWide(i): the
-// neighbours' neighbours are members, too.
+// Calls visit(i, linked, star) for every point, in parallel: linked neighbours in any order, of which the star names some.
+// isWide(i): the neighbours' neighbours are members, too.
 template <class IsWide, class Visit>
 void visitStars(const Points& positions, const Points& normals, const Lists& neighbors, const LinkRule& rule,
                 const std::vector<char>& is_boundary, const IsWide& isWide, const Visit& visit) {
@@ -90,8 +91,9 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
         }
         return &builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : kInnerGap);
       };
-      // The others are needed only if one of them may belong to the star of the first.
-      const Index *const first = list.data() + std::min(kFirst, neighbors.count(i)), *const last = list.data() + list.size();
+      // Of the others only those are needed that may belong to the star of the first. The circles of the star that has them, too,
+      // lie within the circles of the first.
+      Index *const first = list.data() + std::min(kFirst, neighbors.count(i)), *const last = list.data() + list.size();
       const geometry::DelaunayStar* star = add(list.data(), first);
       const double reach = findSquaredReach(projected, *star);
       const auto isBeyond = [&](Index j) {
@@ -99,7 +101,11 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
         const double height = link.dot(normals[i]);
         return link.squaredNorm() - height * height > reach;
       };
-      if (!std::all_of(first, last, isBeyond)) star = add(first, last);
+      Index* const beyond = std::partition(first, last, [&](Index j) { return !isBeyond(j); });
+      if (beyond != first) {
+        star = add(first, beyond);
+        std::copy_if(beyond, last, std::back_inserter(linked), [&](Index j) { return rule.accepts(i, j); });
+      }
       visit(i, linked, *star);
     }
   });
