@@ -106,14 +106,23 @@ bool joinFlat(const Lists& neighbors, const Points& normals, const std::vector<s
       }
     }
   });
+  // Asked for once, and not for each link: the root of each point, and whether the point is on the opposite side of it.
+  std::vector<Index> root(n);
+  std::vector<char> is_turned(n);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      root[i] = sets.find(i);
+      is_turned[i] = sets.areOpposite(i, root[i]);
+    }
+  });
   std::atomic<bool> agree{true}, leads_out{false};
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end && agree.load(std::memory_order_relaxed); ++i) {
       for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
         const Link link = makeLink(normals, given_sides, i, *j);
-        if (sets.find(i) != sets.find(*j)) {
+        if (root[i] != root[*j]) {
           leads_out.store(true, std::memory_order_relaxed);
-        } else if (link.weight <= kFlatWeight && sets.areOpposite(i, *j) != link.are_opposite) {
+        } else if (link.weight <= kFlatWeight && (is_turned[i] != is_turned[*j]) != link.are_opposite) {
           agree.store(false, std::memory_order_relaxed);
         }
       }
