@@ -149,17 +149,25 @@ float findSquaredCover(const Points& positions, const SurfaceSides& sides, const
   return std::numeric_limits<float>::infinity();
 }
 
-// The value below which the share of values lies. values is reordered and not empty.
-float findQuantile(std::vector<float>& values, double share) {
-  // From the nearer end: shares are near one of them, and few are kept in order.
-  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(values.size());
-  const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(share * (values.size() - 1));
-  if (2 * at < count) {
-    std::partial_sort(values.begin(), values.begin() + at + 1, values.end());
-  } else {
-    std::partial_sort(values.rbegin(), values.rbegin() + (count - at), values.rend(), std::greater<float>());
+// The last of the first `count` in order. Overwrites values. For a few dozen, of which few are kept, insertion is faster than a
+// heap.
+template <class IsBefore>
+float findLastOf(std::size_t count, std::vector<float>& values, const IsBefore& isBefore) {
+  for (std::size_t v = 1; v < values.size(); ++v) {
+    const float value = values[v];
+    std::size_t at = std::min(v, count);
+    if (at == count && !isBefore(value, values[--at])) continue;
+    for (; at > 0 && isBefore(value, values[at - 1]); --at) values[at] = values[at - 1];
+    values[at] = value;
   }
-  return values[at];
+  return values[count - 1];
+}
+
+// The value below which the share of values lies. Overwrites values, which are not empty.
+float findQuantile(std::vector<float>& values, double share) {
+  // From the nearer end: shares are near one of them.
+  const std::size_t count = values.size(), at = static_cast<std::size_t>(share * (count - 1));
+  return 2 * at < count ? findLastOf(at + 1, values, std::less<float>()) : findLastOf(count - at, values, std::greater<float>());
 }
 
 }  // namespace
