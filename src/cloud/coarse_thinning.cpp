@@ -187,32 +187,63 @@ class WayCheck {
 // Neighbours of all remaining points, by paths over the former lists.
 Lists findNeighbors(const ThinnedCloud& cloud, Index wanted, bool over_surface) {
   const Index n = static_cast<Index>(cloud.positions.size());
-  const KdTree tree(cloud.positions);
-  std::vector<Index> items(static_cast<std::size_t>(n) * wanted), count(n);
+  Lists near = nearestNeighbors(cloud.positions, wanted);
+  std::vector<Index> count(n);
+  const Index num_blocks = (n + kBlock - 1) / kBlock;
+  std::vector<std::vector<Index>> few(num_blocks), farther(num_blocks);  // points of which too few were reached; their new lists
+  const auto measure = [](const Vec3& d) { return d.x() * d.x() + d.y() * d.y() + d.z() * d.z(); };  // in the order of the tree
+  // Leaves those of the part of point i that are reached. asked: of how many, with point i. False: too few.
+  const auto keep = [&](Index i, Index asked, WayCheck& check, std::vector<Neighbor>& found) {
+    const auto isOther = [&](const Neighbor& neighbor) {
+      return neighbor.index == i || cloud.part[neighbor.index] != cloud.part[i];
+    };
+    found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
+    if (over_surface) check.keepReached(i, found);
+    count[i] = std::min(wanted, static_cast<Index>(found.size()));
+    return static_cast<Index>(found.size()) > wanted / 2 || asked > kMaxAsked * wanted || asked >= n;
+  };
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     WayCheck check(cloud);
     std::vector<Neighbor> found;
-    for (Index s = begin; s < end; ++s) {
-      const Index i = tree.order()[s];
-      for (Index asked = wanted + 1;; asked *= 2) {
-        tree.nearest(cloud.positions[i], asked, found);
-        const auto isOther = [&](const Neighbor& neighbor) {
-          return neighbor.index == i || cloud.part[neighbor.index] != cloud.part[i];
-        };
-        found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
-        if (over_surface) check.keepReached(i, found);
-        if (static_cast<Index>(found.size()) > wanted / 2 || asked > kMaxAsked * wanted || asked >= n) break;
-      }
-      count[i] = std::min(wanted, static_cast<Index>(found.size()));
-      for (Index m = 0; m < count[i]; ++m) items[static_cast<std::size_t>(i) * wanted + m] = found[m].index;
+    for (Index i = begin; i < end; ++i) {
+      found.clear();
+      for (const Index* j = near.begin(i); j != near.end(i); ++j)
+        found.push_back({measure(cloud.positions[*j] - cloud.positions[i]), *j});
+      if (!keep(i, wanted + 1, check, found)) few[begin / kBlock].push_back(i);
+      for (Index m = 0; m < count[i]; ++m) near.items[near.offsets[i] + m] = found[m].index;
     }
   });
-  Lists lists;
-  for (Index i = 0; i < n; ++i) {
-    const auto first = items.begin() + static_cast<std::ptrdiff_t>(i) * wanted;
-    lists.items.insert(lists.items.end(), first, first + count[i]);
-    lists.offsets.push_back(static_cast<Index>(lists.items.size()));
+  if (std::any_of(few.begin(), few.end(), [](const std::vector<Index>& points) { return !points.empty(); })) {
+    const KdTree tree(cloud.positions);
+    parallelFor(num_blocks, 1, [&](Index block, Index) {
+      WayCheck check(cloud);
+      std::vector<Neighbor> found;
+      for (const Index i : few[block]) {
+        Index asked = wanted + 1;
+        do {
+          asked *= 2;
+          tree.nearest(cloud.positions[i], asked, found);
+        } while (!keep(i, asked, check, found));
+        for (Index m = 0; m < count[i]; ++m) farther[block].push_back(found[m].index);
+      }
+    });
   }
+  Lists lists;
+  lists.offsets.resize(n + 1);
+  for (Index i = 0; i < n; ++i) lists.offsets[i + 1] = lists.offsets[i] + count[i];
+  lists.items.resize(lists.offsets[n]);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    const std::vector<Index>& points = few[begin / kBlock];
+    std::size_t next = 0;
+    const Index* of_next = farther[begin / kBlock].data();
+    for (Index i = begin; i < end; ++i) {
+      const bool is_farther = next < points.size() && points[next] == i;
+      std::copy_n(is_farther ? of_next : near.begin(i), count[i], lists.items.begin() + lists.offsets[i]);
+      if (!is_farther) continue;
+      of_next += count[i];
+      ++next;
+    }
+  });
   return lists;
 }
 
