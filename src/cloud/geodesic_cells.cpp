@@ -12,6 +12,8 @@
 #include <limits>
 #include <utility>
 
+#include "k_nearest.h"
+
 namespace deformable_surface::cloud {
 namespace {
 
@@ -73,6 +75,53 @@ GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const s
   }
   return graph;
 }
+
+// The nearest chosen points of any point. They are among those nearest to the chosen point of its cell, which are searched for
+// once.
+class NearOfCells {
+ public:
+  NearOfCells(const Points& chosen, Index k)
+      : chosen_(chosen), k_(k), tree_(chosen), around_(nearestNeighbors(chosen, kAround * k)), distance_(around_.items.size()) {
+    for (Index a = 0; a < around_.size(); ++a)
+      for (Index e = around_.offsets[a]; e < around_.offsets[a + 1]; ++e)
+        distance_[e] = (chosen[around_.items[e]] - chosen[a]).norm();
+  }
+
+  /// The k nearest to a point, as KdTree::nearest() finds them. owner: of its cell, or -1.
+  void find(const Vec3& point, Index owner, std::vector<Neighbor>& near) const {
+    if (k_ < 1 || owner < 0 || !areAround(point, owner, near)) tree_.nearest(point, k_, near);
+  }
+
+ private:
+  static constexpr Index kAround = 4;  // times the points wanted
+
+  // False: there may be nearer ones than those around the owner.
+  bool areAround(const Vec3& point, Index owner, std::vector<Neighbor>& near) const {
+    constexpr double kRounding = 1.0 + 1e-9;
+    KNearest nearest(k_, near);
+    const auto measure = [&](Index b) {
+      const Vec3 d = chosen_[b] - point;
+      return d.x() * d.x() + d.y() * d.y() + d.z() * d.z();  // in the order of the tree
+    };
+    const double squared = measure(owner), to_owner = std::sqrt(squared);
+    nearest.add(squared, owner);
+    double reach = std::numeric_limits<double>::infinity();  // m, of the k nearest
+    for (Index e = around_.offsets[owner]; e < around_.offsets[owner + 1]; ++e) {
+      if (distance_[e] > kRounding * (to_owner + reach)) return true;  // this one and all that follow are farther
+      const double to_other = measure(around_.items[e]);
+      if (!(to_other <= nearest.bound())) continue;
+      nearest.add(to_other, around_.items[e]);
+      reach = std::sqrt(nearest.bound());
+    }
+    return around_.count(owner) + 1 == static_cast<Index>(chosen_.size());
+  }
+
+  const Points& chosen_;
+  const Index k_;
+  const KdTree tree_;
+  const Lists around_;            // of the chosen points, nearest first
+  std::vector<double> distance_;  // m, to them
+};
 
 // Calls visit(v, to) for the next points of a path from u, with its length there.
 template <class Visit>
@@ -195,14 +244,14 @@ Lists findChosenNear(const GeodesicCells& cells, const std::vector<Index>& owner
                        [&](Index m) { return lists(m, b) && measure(a, m) + measure(m, b) <= longest; });
   };
 
-  const KdTree tree(cells.chosen);
+  const NearOfCells search(cells.chosen, k);
   std::vector<std::vector<Index>> found((n + kBlock - 1) / kBlock);
   std::vector<Index> count(n);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     std::vector<Neighbor> near;
     for (Index i = begin; i < end; ++i) {
-      tree.nearest(positions[i], k, near);
       const Index a = owner[i];
+      search.find(positions[i], a, near);
       const auto isApart = [&](const Neighbor& other) { return !isNear(a, other.index); };
       const auto kept = a < 0 ? near.end() : std::remove_if(near.begin(), near.end(), isApart);
       if (kept != near.end()) {
@@ -221,8 +270,13 @@ Lists findChosenNear(const GeodesicCells& cells, const std::vector<Index>& owner
     }
   });
   Lists result;
-  for (Index i = 0; i < n; ++i) result.offsets.push_back(result.offsets[i] + count[i]);
-  for (const std::vector<Index>& part : found) result.items.insert(result.items.end(), part.begin(), part.end());
+  result.offsets.resize(n + 1);
+  for (Index i = 0; i < n; ++i) result.offsets[i + 1] = result.offsets[i] + count[i];
+  result.items.resize(result.offsets[n]);
+  parallelFor(n, kBlock, [&](Index begin, Index) {
+    const std::vector<Index>& part = found[begin / kBlock];
+    std::copy(part.begin(), part.end(), result.items.begin() + result.offsets[begin]);
+  });
   return result;
 }
 
