@@ -2,11 +2,14 @@
 // all other images lie on the origin's side of that line: hull edges of the images are the Delaunay triangles at the origin.
 #include "deformable_surface/geometry/delaunay_star.h"
 
+#include "deformable_surface/base/simd.h"
 #include "deformable_surface/geometry/direction.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 
 namespace deformable_surface::geometry {
 namespace {
@@ -14,6 +17,17 @@ namespace {
 // Directions closer than this count as one: far above rounding, so that the hull never has to decide between points collinear
 // with the origin, and far below the angle between true neighbours.
 constexpr double kSameDirection = 1e-12;
+
+constexpr Index kLanes = 8;
+
+// Adds to each place how many of the first m angles are less than its own.
+DEFORMABLE_SURFACE_WIDE void countLess(Index m, Index filled, const double* angle, std::int64_t* place) {
+  for (Index b = 0; b < m; ++b) {
+    const double other = angle[b];
+#pragma GCC ivdep
+    for (Index a = 0; a < filled; ++a) place[a] += other < angle[a];
+  }
+}
 
 // True if the angles at a and c of the quadrilateral a b c d (counter-clockwise) sum to at least a straight angle less tie: the
 // corners lie on one circle, or miss it by that. Sine and cosine of the sum are those of a product of complex numbers.
@@ -44,14 +58,14 @@ void DelaunayStarBuilder::sortByDirection(const std::vector<Vec2>& points) {
     unsorted_.push_back({angle_.back(), squared_distance, i});
   }
   // The place of each is the number of those before it. For a few dozen, counting in vector instructions is faster than a sort,
-  // whose branches are unpredictable.
-  const Index m = static_cast<Index>(unsorted_.size());
-  place_.assign(m, 0);
-  for (Index b = 0; b < m; ++b) {
-    const double angle = angle_[b];
-    for (Index a = 0; a < b; ++a) place_[a] += angle < angle_[a];
-    for (Index a = b + 1; a < m; ++a) place_[a] += angle <= angle_[a];
-  }
+  // whose branches are unpredictable. What is behind the last fills a vector, and counts for nothing.
+  const Index m = static_cast<Index>(unsorted_.size()), filled = (m + kLanes - 1) / kLanes * kLanes;
+  angle_.resize(filled, 0.0);
+  place_.assign(filled, 0);
+  countLess(m, filled, angle_.data(), place_.data());
+  // Of equal ones, which are rare, the earlier comes first.
+  if (std::accumulate(place_.begin(), place_.begin() + m, std::int64_t{0}) != std::int64_t{m} * (m - 1) / 2)
+    for (Index a = 0; a < m; ++a) place_[a] += std::count(angle_.begin(), angle_.begin() + a, angle_[a]);
   directions_.resize(m);
   for (Index a = 0; a < m; ++a) directions_[place_[a]] = unsorted_[a];
   // Of several in one direction the nearest stays; the first and the last may be in one direction too.
