@@ -10,6 +10,7 @@ namespace deformable_surface {
 namespace {
 
 constexpr Index kBlock = 64;         // rows per task: some microseconds of work
+constexpr Index kCleared = 4096;     // blocks per task of clearing them: tens of microseconds
 constexpr std::size_t kLook = 1024;  // blocks of a first filling between two looks at an interrupt
 
 }  // namespace
@@ -23,7 +24,9 @@ void BlockSparse::begin(Index n) {
   }
   next_ = 0;
   pending_.clear();
-  for (Mat3& value : values_) value.setZero();
+  parallelFor(static_cast<Index>(values_.size()), kCleared, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) values_[k].setZero();
+  });
   named_.assign(values_.size(), 0);
 }
 

@@ -223,8 +223,11 @@ void VelocityVerlet::bearSlow(const Points& positions) {
 // The forces where an outer step begins or ends. The slow forces' kick is that of all its sub-steps.
 void VelocityVerlet::addSlow(Index inner) {
   forces_with_slow_.resize(forces_.size());
-  addScaled(3 * static_cast<Index>(forces_.size()), forces_.data()->data(), static_cast<double>(inner),
-            slow_forces_.data()->data(), forces_with_slow_.data()->data());
+  const double *const force = forces_.data()->data(), *const slow = slow_forces_.data()->data();
+  double* const sum = forces_with_slow_.data()->data();
+  parallelFor(3 * static_cast<Index>(forces_.size()), kBlock, [&](Index begin, Index end) {
+    addScaled(end - begin, force + begin, static_cast<double>(inner), slow + begin, sum + begin);
+  });
 }
 
 // The forces at the beginning of a step. The model's are those of the last end, if this is where it was.
