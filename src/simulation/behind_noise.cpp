@@ -22,10 +22,6 @@ constexpr double kSureGap = 3.0;
 // Fraction of the spacing, for the noise left by the windows: above it, areas and masses are too large by a tenth or more.
 constexpr double kMostLeft = 0.5;
 
-std::string formatPlace(const Vec3& p) {
-  return "(" + formatShort(p.x()) + ", " + formatShort(p.y()) + ", " + formatShort(p.z()) + ")";
-}
-
 std::string formatLength(double length) {
   return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
 }

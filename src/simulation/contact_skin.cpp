@@ -7,6 +7,7 @@
 
 #include "overlaps.h"
 #include "skin_holes.h"
+#include "triangles_beneath.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -22,16 +23,14 @@ struct Edge {
 // neighbours that pass through each other the larger.
 void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles) {
   std::vector<Edge> edges;
-  std::vector<contact::Box> boxes, triangle_boxes;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  std::vector<contact::Box> boxes;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       edges.push_back({triangles[t][k], triangles[t][(k + 1) % 3], t});
       contact::Box box(rest[edges.back().from]);
       boxes.push_back(box.extend(rest[edges.back().to]));
     }
-    triangle_boxes.push_back(findBox(rest, triangles[t]));
-  }
-  const contact::BoxTree tree(boxes), triangle_tree(triangle_boxes);
+  const contact::BoxTree tree(boxes), triangle_tree(listBoxes(rest, triangles));
   const auto lengthOf = [&](const Edge& e) { return (rest[e.to] - rest[e.from]).norm(); };
   std::vector<char> is_dropped(triangles.size(), 0);
   for (std::size_t e = 0; e < edges.size(); ++e) {
@@ -101,6 +100,24 @@ std::vector<contact::Triangle> listCorners(const std::vector<model::WeightedTria
   return corners;
 }
 
+// By four places of each triangle of the model.
+double findShareWithout(const Points& rest, const std::vector<model::WeightedTriangle>& given,
+                        const std::vector<contact::Triangle>& triangles) {
+  const TrianglesBeneath skin(rest, triangles);
+  const std::set<contact::Triangle> chosen(triangles.begin(), triangles.end());
+  double whole = 0.0, without = 0.0;
+  contact::Triangle beneath;
+  for (const model::WeightedTriangle& triangle : given) {
+    const contact::Triangle t{triangle.corner[0], triangle.corner[1], triangle.corner[2]};
+    const double area = triangle.weight * findNormal(rest, t).norm();
+    whole += area;
+    if (chosen.count(t) > 0) continue;
+    for (const Vec3& place : listPlaces(rest, t))
+      if (!skin.find(t, place, beneath)) without += 0.25 * area;
+  }
+  return whole > 0.0 ? without / whole : 0.0;
+}
+
 }  // namespace
 
 ContactSkin::ContactSkin(const Points& rest, const std::vector<model::WeightedTriangle>& given)
@@ -110,11 +127,7 @@ ContactSkin::ContactSkin(const Points& rest, const std::vector<model::WeightedTr
     triangles.push_back(filling.triangle);
     beneath_.push_back(filling.beneath);
   }
-  const auto areaOf = [&](const contact::Triangle& t) { return (rest[t[1]] - rest[t[0]]).cross(rest[t[2]] - rest[t[0]]).norm(); };
-  double whole = 0.0, kept = 0.0;
-  for (std::size_t t = 0; t < given.size(); ++t) whole += given[t].weight * areaOf(surface[t]);
-  for (const contact::Triangle& t : triangles) kept += areaOf(t);
-  share_without = whole > kept ? 1.0 - kept / whole : 0.0;
+  share_without = findShareWithout(rest, given, triangles);
 }
 
 std::vector<char> ContactSkin::findWhole(const std::vector<model::WeightedTriangle>& now) const {

@@ -4,7 +4,6 @@
 #include "deformable_surface/contact/self_contact.h"
 #include "deformable_surface/model/deformable_model.h"
 
-#include <array>
 #include <vector>
 
 namespace deformable_surface::simulation {
@@ -21,11 +20,11 @@ struct ContactSkin {
   std::vector<char> findWhole(const std::vector<model::WeightedTriangle>& now) const;
 
   std::vector<contact::Triangle> triangles;  // those of the model, then those that fill holes
-  double share_without;  // of the surface's area that these do not have, 0 to 1. Large where triangles overlap that the model
-                         // keeps: between layers nearer than two spacings or so, and on very uneven clouds
+  double share_without;  // of the area of the model's triangles on which none of these lies, 0 to 1. Large between layers nearer
+                         // than two spacings or so, and on very uneven clouds
 
  private:
-  std::vector<std::array<contact::Triangle, 4>> beneath_;  // of each triangle that fills a hole
+  std::vector<std::vector<contact::Triangle>> beneath_;  // of each triangle that fills a hole
 };
 
 }  // namespace deformable_surface::simulation

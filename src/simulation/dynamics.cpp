@@ -31,7 +31,8 @@ std::string describeLie(contact::SelfContact::Lie lie) {
   switch (lie) {
     case contact::SelfContact::Lie::kOpen: return "";
     case contact::SelfContact::Lie::kWithoutOutline: return "the surface is closed, or its triangles have no single outline";
-    case contact::SelfContact::Lie::kThick: return "the surface is thick beside the spacing of its points, or these are uneven";
+    case contact::SelfContact::Lie::kThick:
+      return "the surface is narrow, or thick beside the spacing of its points, or these are uneven";
     case contact::SelfContact::Lie::kOver: break;
   }
   return "seen from one side, parts of the surface at rest lie over others, or are steep, or its outline is very indented";

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "grazing.h"
+#include "rest_parts.h"
 #include "step_messages.h"
 
 namespace deformable_surface::simulation {
@@ -168,10 +169,9 @@ void Dynamics::beginSelfContact(double dt, std::string& notice) {
   if (steps_ == 0) {
     const double share = loads_.self_contact->skin()->share_without;
     if (share > kNoContact)
-      appendNotice(notice,
-                   formatShort(100.0 * share) +
-                       " % of the surface's area has no contact with itself, because triangles overlap there at rest: "
-                       "layers nearer than some spacings, or a very uneven cloud; parts can pass through each other there");
+      appendNotice(notice, formatShort(100.0 * share) +
+                               " % of the surface's area has no contact with itself, because triangles overlap there at rest: "
+                               "layers that are joined, or a very uneven cloud; parts can pass through each other there");
   }
   const bool has_changed = loads_.self_contact->beginStep(now_.points, dt, untangles());
   setParts();
@@ -187,11 +187,10 @@ bool Dynamics::untangles() const {
 
 std::string Dynamics::describeCrossed() const {
   const contact::PairList& pairs = loads_.self_contact->contact.pairs();
-  const Vec3& place = pairs.firstCrossing();
   const bool untangles = params_.contact.untangle;
   return std::to_string(pairs.numCrossed()) + " triangles are crossed by others" + (untangles ? "" : " at rest") +
-         ", one of them near (" + formatShort(place.x()) + ", " + formatShort(place.y()) + ", " + formatShort(place.z()) +
-         ") m: " + (untangles ? "they are pushed apart" : "there the surface passes through itself");
+         ", one of them near " + formatPlace(pairs.firstCrossing()) +
+         " m: " + (untangles ? "they are pushed apart" : "there the surface passes through itself");
 }
 
 // What crosses is looked for after each step, until nothing does: contact then keeps it so.

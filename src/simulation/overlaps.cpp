@@ -20,6 +20,13 @@ contact::Box findBox(const Points& rest, const Triangle& t) {
   return {box.min() - margin, box.max() + margin};
 }
 
+std::vector<contact::Box> listBoxes(const Points& rest, const std::vector<Triangle>& triangles) {
+  std::vector<contact::Box> boxes;
+  boxes.reserve(triangles.size());
+  for (const Triangle& t : triangles) boxes.push_back(findBox(rest, t));
+  return boxes;
+}
+
 bool liesOn(const Points& rest, Index v, const Triangle& t) {
   const Vec3 &a = rest[t[0]], &b = rest[t[1]], &c = rest[t[2]];
   return contact::findClosestToTriangle(rest[v], a, b, c).squaredDistance() < kOverlap * kOverlap * (b - a).squaredNorm();

@@ -3,6 +3,8 @@
 
 #include "deformable_surface/contact/self_contact.h"
 
+#include <vector>
+
 namespace deformable_surface::simulation {
 
 // Fraction of a length: what is nearer belongs to overlapping triangles.
@@ -10,11 +12,17 @@ constexpr double kOverlap = 0.05;
 
 inline bool hasCorner(const contact::Triangle& t, Index v) { return t[0] == v || t[1] == v || t[2] == v; }
 
+/// Its normal with a length of twice the area, m^2.
+inline Vec3 findNormal(const Points& rest, const contact::Triangle& t) {
+  return (rest[t[1]] - rest[t[0]]).cross(rest[t[2]] - rest[t[0]]);
+}
+
 /// Longest edge, m.
 double findLongestEdge(const Points& rest, const contact::Triangle& t);
 
 /// m. Larger by kOverlap than the triangle.
 contact::Box findBox(const Points& rest, const contact::Triangle& t);
+std::vector<contact::Box> listBoxes(const Points& rest, const std::vector<contact::Triangle>& triangles);
 
 /// Whether a point lies on a triangle: nearer than kOverlap of its first edge.
 bool liesOn(const Points& rest, Index v, const contact::Triangle& t);

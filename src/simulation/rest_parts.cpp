@@ -24,6 +24,9 @@ constexpr Index kGapShare = 1000;     // fewer points at gaps than this part of 
 }  // namespace
 
 std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
+std::string formatPlace(const Vec3& p) {
+  return "(" + formatShort(p.x()) + ", " + formatShort(p.y()) + ", " + formatShort(p.z()) + ")";
+}
 
 RestSurface cleanInput(const cloud::PointCloud& input) {
   RestSurface s;

@@ -8,6 +8,8 @@ namespace deformable_surface::simulation {
 
 /// "3 points".
 std::string count(Index n, const std::string& what);
+/// "(0.1, 0, 2)".
+std::string formatPlace(const Vec3& p);
 
 /// The finite, distinct points of the input. InputError if there are fewer than three.
 RestSurface cleanInput(const cloud::PointCloud& input);

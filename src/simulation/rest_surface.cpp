@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "joined_layers.h"
 #include "narrow_gaps.h"
 #include "unconstrained_parts.h"
 
@@ -14,6 +15,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   RestSurface s = findModel(params.model).makeRest(params, input, coarsest, choose);
   noteUnconstrained(params, s);
   noteNarrowGaps(s);
+  noteJoinedLayers(s);
   return s;
 }
 
@@ -22,6 +24,7 @@ RestSurface buildRestSurface(const SceneParams& params, RestSurface prepared,
   RestSurface s = findModel(params.model).finishRest(params, std::move(prepared), choose);
   noteUnconstrained(params, s);
   noteNarrowGaps(s);
+  noteJoinedLayers(s);
   return s;
 }
 

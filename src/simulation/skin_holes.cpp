@@ -8,18 +8,15 @@
 #include <utility>
 
 #include "overlaps.h"
+#include "triangles_beneath.h"
 
 namespace deformable_surface::simulation {
 namespace {
 
 using contact::Triangle;
 
-constexpr double kBeneath = 0.1;        // of the longest edge: how far a new triangle may be above or below one of the surface
-constexpr double kBeside = 0.01;        // of the longest edge: how far its places may be beside one
 constexpr double kFlat = 0.1;           // height over longest edge of a triangle that is taken for a line
 constexpr std::size_t kFewBoxes = 512;  // that are gone through one by one
-
-Vec3 findNormal(const Points& rest, const Triangle& t) { return (rest[t[1]] - rest[t[0]]).cross(rest[t[2]] - rest[t[0]]); }
 
 // Finds which boxes are near a given one, while boxes are added.
 class GrowingTree {
@@ -56,12 +53,6 @@ class Layer {
       lone_.push_back(static_cast<Index>(i));
     }
     lone_tree_ = std::make_unique<contact::BoxTree>(lone);
-  }
-
-  static std::vector<contact::Box> listBoxes(const Points& rest, const std::vector<Triangle>& triangles) {
-    std::vector<contact::Box> boxes;
-    for (const Triangle& t : triangles) boxes.push_back(findBox(rest, t));
-    return boxes;
   }
 
   bool hasEdge(Index from, Index to) const { return owner_.count({from, to}) > 0; }
@@ -128,36 +119,6 @@ class Layer {
   std::unique_ptr<contact::BoxTree> lone_tree_;
 };
 
-// The surface's triangles, of which a new one has to lie on some.
-class Ground {
- public:
-  Ground(const Points& rest, const std::vector<Triangle>& triangles)
-      : rest_(rest), triangles_(triangles), tree_(Layer::listBoxes(rest, triangles)) {}
-
-  /// The nearest triangle at a place (m) that faces as t does; false if there is none.
-  bool findBeneath(const Triangle& t, const Vec3& place, Triangle& beneath) const {
-    const Vec3 normal = findNormal(rest_, t).normalized();
-    const double longest = findLongestEdge(rest_, t), reach = kBeneath * longest;
-    double least = reach * reach;
-    bool is_found = false;
-    tree_.visitMeeting({place - Vec3::Constant(reach), place + Vec3::Constant(reach)}, [&](Index k) {
-      const Triangle& under = triangles_[k];
-      const Vec3 gap = contact::findClosestToTriangle(place, rest_[under[0]], rest_[under[1]], rest_[under[2]]).gap;
-      if (!(gap.squaredNorm() < least) || !(normal.dot(findNormal(rest_, under)) > 0.0)) return;
-      if ((gap - gap.dot(normal) * normal).norm() > kBeside * longest) return;
-      least = gap.squaredNorm();
-      beneath = under;
-      is_found = true;
-    });
-    return is_found;
-  }
-
- private:
-  const Points& rest_;
-  const std::vector<Triangle>& triangles_;
-  contact::BoxTree tree_;
-};
-
 class Filler {
  public:
   Filler(const Points& rest, const std::vector<Triangle>& layer, const std::vector<Triangle>& surface)
@@ -168,7 +129,7 @@ class Filler {
     for (const Triangle& t : surface) by_length.emplace_back(findLongestEdge(rest_, t), t);
     std::sort(by_length.begin(), by_length.end());
     for (const auto& [longest, t] : by_length)
-      if (layer_.hasRoomFor(t)) add({t, {t, t, t, t}});
+      if (layer_.hasRoomFor(t)) add({t, {t}});
   }
 
   // Between two neighbouring edges of a hole, those with the shortest third edge first.
@@ -179,10 +140,7 @@ class Filler {
       corners_.erase(corners_.begin());
       if (!layer_.isBorder(t[0], t[1]) || !layer_.isBorder(t[1], t[2]) || !layer_.hasRoomFor(t)) continue;
       Filling filling{t, {}};
-      const Vec3 middle = (rest_[t[0]] + rest_[t[1]] + rest_[t[2]]) / 3.0;
-      bool is_known = ground_.findBeneath(t, middle, filling.beneath[3]);
-      for (int k = 0; k < 3; ++k) is_known = is_known && ground_.findBeneath(t, 0.5 * (middle + rest_[t[k]]), filling.beneath[k]);
-      if (!is_known) continue;
+      if (!liesOnGround(filling)) continue;
       add(filling);
       if (!layer_.isBorder(t[0], t[2])) continue;
       listFollowing(t[0], t[2]);
@@ -193,6 +151,18 @@ class Filler {
   std::vector<Filling> takeFillings() { return std::move(fillings_); }
 
  private:
+  // Where an edge of the new triangle is a border, nothing need lie beneath its middle.
+  bool liesOnGround(Filling& filling) const {
+    const Triangle& t = filling.triangle;
+    Triangle beneath;
+    for (const Vec3& place : listPlaces(rest_, t)) {
+      if (!ground_.find(t, place, beneath)) return false;
+      filling.beneath.push_back(beneath);
+    }
+    for (int k = 0; k < 3; ++k)
+      if (ground_.find(t, 0.5 * (rest_[t[k]] + rest_[t[(k + 1) % 3]]), beneath)) filling.beneath.push_back(beneath);
+    return true;
+  }
   void listFollowing(Index from, Index to) {
     for (const Index next : layer_.listBorder(to, true)) list(from, to, next);
   }
@@ -206,7 +176,7 @@ class Filler {
 
   const Points& rest_;
   Layer layer_;
-  Ground ground_;
+  TrianglesBeneath ground_;                         // the surface, on which a new triangle has to lie
   std::set<std::tuple<double, Triangle>> corners_;  // by the length of the third edge
   std::vector<Filling> fillings_;
 };

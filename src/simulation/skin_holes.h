@@ -3,15 +3,15 @@
 
 #include "deformable_surface/contact/self_contact.h"
 
-#include <array>
 #include <vector>
 
 namespace deformable_surface::simulation {
 
-/// A triangle that fills a hole, and the triangles of the surface on which its middle and its three corners lie.
+/// A triangle that fills a hole, and the triangles of the surface on which it lies: at its middle, half-way from there to its
+/// corners, and at the middles of its edges. One of the surface's own lies on itself alone.
 struct Filling {
   contact::Triangle triangle;
-  std::array<contact::Triangle, 4> beneath;
+  std::vector<contact::Triangle> beneath;
 };
 
 /// Triangles that continue those of a layer, without overlap, where others of the surface lie: first some of these, then new ones

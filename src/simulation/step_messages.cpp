@@ -18,10 +18,10 @@ std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, 
                                     : "contact stopped points, and bears what is unbalanced";
   if (!(report.unbalanced < kFar))
     return "far from balance, as where forces are more than a surface bears: smaller ones, " +
-           (is_static ? "more integrator.max_iterations or " : smaller) + "a reset help";
+           (is_static ? "more integrator.max_iterations or " : smaller) + "a reset may help";
   if (report.is_out_of_iterations) return "more integrator.max_iterations or a larger integrator.tolerance end this";
-  return "no iteration came nearer, as where a surface folds: " + (is_static ? "" : smaller) + "a larger integrator.tolerance " +
-         (is_static ? "helps" : "help");
+  return std::string("no iteration came nearer, as where a surface folds: a larger integrator.tolerance ends this") +
+         (is_static ? "" : ", a smaller time_step may");
 }
 
 }  // namespace

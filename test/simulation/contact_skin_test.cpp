@@ -84,5 +84,18 @@ TEST(ContactSkin, WhatFillsAHoleIsWholeWhileTheSurfaceBelowIs) {
   EXPECT_EQ(std::count(without.begin(), without.end(), 1), 0);
 }
 
+// A square of two triangles, and a larger upright one at a corner of it that passes through them and is left out.
+TEST(ContactSkin, TheShareWithoutIsThatOnWhichNoTriangleLies) {
+  const Points rest = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0), Vec3(0.6, 0.3, 1), Vec3(0.6, 0.3, -1)};
+  const std::vector<model::WeightedTriangle> square = {{{0, 1, 2}, 1.0}, {{0, 2, 3}, 1.0}};
+  EXPECT_EQ(ContactSkin(rest, square).share_without, 0.0);
+  std::vector<model::WeightedTriangle> all = square;
+  all.push_back({{0, 1, 3}, 0.5});  // lies on the square
+  EXPECT_EQ(ContactSkin(rest, all).share_without, 0.0);
+  all.push_back({{0, 4, 5}, 1.0});
+  const double area = 0.5 * (rest[4] - rest[0]).cross(rest[5] - rest[0]).norm();
+  EXPECT_NEAR(ContactSkin(rest, all).share_without, area / (1.25 + area), 1e-12);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

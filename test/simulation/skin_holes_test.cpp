@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -66,6 +67,19 @@ TEST(SkinHoles, AHoleOfSixEdgesIsFilledOnce) {
   }
   EXPECT_EQ(filled.size(), 4u);
   EXPECT_NEAR(areaOf(rest, filled), 1.5 * std::sqrt(3.0), 1e-12);
+}
+
+// A hole of three edges over two triangles of the surface. Its places are all on the larger of these; the middle of the edge 0 1
+// is on the other one.
+TEST(SkinHoles, WhatFillsAHoleLiesOnWhatIsBelowItsEdges) {
+  const Points rest = {Vec3(0, 0, 0),  Vec3(1, 0, 0),       Vec3(0.5, 1, 0),    Vec3(0.5, -1, 0),    Vec3(2, 1, 0),
+                       Vec3(-1, 1, 0), Vec3(-0.1, 0.05, 0), Vec3(1.1, 0.05, 0), Vec3(0.5, -0.05, 0), Vec3(0.5, 2, 0)};
+  const std::vector<Triangle> layer = {{1, 0, 3}, {2, 1, 4}, {0, 2, 5}}, surface = {{6, 8, 7}, {6, 7, 9}};
+  const std::vector<simulation::Filling> filled = simulation::fillHoles(rest, layer, surface);
+  ASSERT_EQ(filled.size(), 1u);
+  const auto lieOn = [&](const Triangle& t) { return std::count(filled[0].beneath.begin(), filled[0].beneath.end(), t); };
+  EXPECT_EQ(lieOn(surface[0]), 1);
+  EXPECT_EQ(lieOn(surface[1]), 6);
 }
 
 }  // namespace

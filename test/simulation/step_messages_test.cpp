@@ -77,11 +77,12 @@ TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
   report.unbalanced = 0.5;
   EXPECT_EQ(adviceOf(true),
             "far from balance, as where forces are more than a surface bears: smaller ones, more integrator.max_iterations or a "
-            "reset help");
+            "reset may help");
   report.unbalanced = 0.001;
-  EXPECT_EQ(adviceOf(true), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance helps");
-  EXPECT_EQ(adviceOf(false),
-            "no iteration came nearer, as where a surface folds: a smaller time_step or a larger integrator.tolerance help");
+  EXPECT_EQ(adviceOf(true), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance ends this");
+  EXPECT_EQ(
+      adviceOf(false),
+      "no iteration came nearer, as where a surface folds: a larger integrator.tolerance ends this, a smaller time_step may");
   report.is_out_of_iterations = true;
   EXPECT_EQ(adviceOf(true), "more integrator.max_iterations or a larger integrator.tolerance end this");
 }

@@ -1,0 +1,52 @@
+#include "joined_layers.h"
+
+#include "deformable_surface/base/value.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rest_parts.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+// Sine of 45 degrees: what is steeper against the tangent planes of both ends leads to another layer.
+constexpr double kSteep = 0.7071;
+// Of the mean spacing of the simulation points: shorter links are steep on rough surfaces, too. Both were chosen on drawn layers
+// and on scans (docs/geodesics.md).
+constexpr double kShortest = 0.9;
+constexpr Index kManyShare = 50;  // of the points: one in so many
+
+// Across a sharp crease the normals of the ends oppose each other along the link. There it leads along the surface.
+bool leadsUp(const Vec3& link, const Vec3& normal_from, const Vec3& normal_to) {
+  const double steep = kSteep * link.norm(), from = link.dot(normal_from), to = link.dot(normal_to);
+  return (from > steep && to > steep) || (from < -steep && to < -steep);
+}
+
+}  // namespace
+
+void noteJoinedLayers(RestSurface& s) {
+  const Index n = static_cast<Index>(s.points.size());
+  if (s.rings.ring.size() != n || s.normals.size() != s.points.size()) return;
+  const double shortest = kShortest * std::sqrt(s.area / static_cast<double>(n));
+  std::vector<char> is_joined(n);
+  double longest = 0.0;
+  for (Index i = 0; i < n; ++i)
+    for (const Index* j = s.rings.ring.begin(i); j != s.rings.ring.end(i); ++j) {
+      const Vec3 link = s.points[*j] - s.points[i];
+      if (link.norm() < shortest || !leadsUp(link, s.normals[i], s.normals[*j])) continue;
+      is_joined[i] = is_joined[*j] = 1;
+      longest = std::max(longest, link.norm());
+    }
+  const auto first = std::find(is_joined.begin(), is_joined.end(), 1);
+  if (first == is_joined.end()) return;
+  const Index joined = static_cast<Index>(std::count(first, is_joined.end(), 1));
+  (joined * kManyShare > n ? s.warnings : s.notes)
+      .push_back(
+          count(joined, "of ") + std::to_string(n) + " simulation points are linked to points above or below them, up to " +
+          formatShort(longest) + " m away, one of them at " + formatPlace(s.points[first - is_joined.begin()]) +
+          " m: near layers, leaves of a sharp crease, or layers with single points between them are joined there and move as "
+          "one; normals in the cloud, or a denser one, may tell them apart");
+}
+
+}  // namespace deformable_surface::simulation
