@@ -1,6 +1,7 @@
 #include "joined_layers.h"
 
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/cloud/layers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,18 +11,10 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Sine of 45 degrees: what is steeper against the tangent planes of both ends leads to another layer.
-constexpr double kSteep = 0.7071;
-// Of the mean spacing of the simulation points: shorter links are steep on rough surfaces, too. Both were chosen on drawn layers
-// and on scans (docs/geodesics.md).
+// Of the mean spacing of the simulation points: shorter links are steep on rough surfaces, too. Chosen on drawn layers and on
+// scans (docs/geodesics.md).
 constexpr double kShortest = 0.9;
 constexpr Index kManyShare = 50;  // of the points: one in so many
-
-// Across a sharp crease the normals of the ends oppose each other along the link. There it leads along the surface.
-bool leadsUp(const Vec3& link, const Vec3& normal_from, const Vec3& normal_to) {
-  const double steep = kSteep * link.norm(), from = link.dot(normal_from), to = link.dot(normal_to);
-  return (from > steep && to > steep) || (from < -steep && to < -steep);
-}
 
 }  // namespace
 
@@ -34,7 +27,7 @@ void noteJoinedLayers(RestSurface& s) {
   for (Index i = 0; i < n; ++i)
     for (const Index* j = s.rings.ring.begin(i); j != s.rings.ring.end(i); ++j) {
       const Vec3 link = s.points[*j] - s.points[i];
-      if (link.norm() < shortest || !leadsUp(link, s.normals[i], s.normals[*j])) continue;
+      if (link.norm() < shortest || !cloud::leadsUp(link, s.normals[i], s.normals[*j])) continue;
       is_joined[i] = is_joined[*j] = 1;
       longest = std::max(longest, link.norm());
     }

@@ -2,6 +2,7 @@
 
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/layers.h"
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/row_spacing.h"
@@ -24,7 +25,13 @@ constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few
 // Simulation points, at least, per loaded point that is kept: a load on more of them acts everywhere, and no points would be
 // left to sample the surface, above all in the error estimate's copies with a quarter of the points.
 constexpr Index kPointsPerLoad = 10;
-constexpr double kFarRows = 2.5;  // spacings along them: rows farther apart can come apart
+constexpr double kFarRows = 2.5;     // spacings along them: rows farther apart can come apart
+constexpr Index kJoinedShare = 200;  // of the points: one in so many above or below another is more than noise and single creases
+constexpr int kTrials = 3;
+constexpr Index kFewerJoined = 2;  // of these are left where layers have been told apart: half, at most
+// Of the neighbours that are lost then, along the surface over those in other layers. Drawn layers lose up to 2.1 times as many,
+// creased sheets 3 to 80 times.
+constexpr double kMostAlong = 2.5;
 // Simulation points, at least, per corner that is kept, if there are more corners than any clean outline of few points has.
 constexpr Index kPointsPerCorner = 10, kCornersOfFew = 32;
 
@@ -89,6 +96,48 @@ std::vector<double> wantSpacing(const SceneParams& params, const std::vector<cha
   return wanted;
 }
 
+// Neighbours along the surface, and the normals by which they are found and which they give.
+struct Sought {
+  cloud::SurfaceSides sides;
+  std::vector<char> is_own;  // (dense) normals that are not those of all neighbours in space
+  cloud::GeodesicNeighbors found;
+};
+
+void seekAlongSurface(const SceneParams& scene, const Points& positions, Lists in_space, Sought& sought) {
+  const cloud::GeodesicGraph graph =
+      cloud::buildGeodesicGraph(positions, sought.sides, in_space, scene.neighbors.geodesic_exponent, scene.input.min_gap);
+  sought.found = cloud::keepGeodesicNeighbors(graph, positions, sought.sides, std::move(in_space));
+  if (sought.sides.oriented || sought.found.num_refused == 0) return;
+  // The others have been estimated from the same lists.
+  for (std::size_t i = 0; i < positions.size(); ++i) sought.is_own[i] = sought.is_own[i] || sought.found.is_changed[i];
+  cloud::estimateNormals(positions, sought.found.lists, sought.is_own, sought.sides.normals);
+}
+
+// Where many points have neighbours above or below them, normals on which the points around agree may tell layers apart.
+void tellLayersApart(const SceneParams& scene, Sought& sought, RestSurface& s) {
+  const Points& positions = s.dense.positions;
+  const auto countJoined = [&](const Sought& by) { return cloud::countLinkedUp(positions, by.sides.normals, by.found.lists); };
+  const Index joined = countJoined(sought);
+  Index left = joined;
+  for (int trial = 0; trial < kTrials && left * kJoinedShare > static_cast<Index>(positions.size()); ++trial) {
+    Lists in_space = cloud::nearestNeighbors(positions, 2 * scene.neighbors.k);
+    cloud::AgreedNormals agreed = cloud::agreeOnNormals(positions, in_space, sought.sides.normals);
+    Sought again;
+    again.sides.normals = std::move(agreed.normals);
+    again.sides.at_creases = std::move(agreed.at_creases);
+    again.is_own.assign(positions.size(), 1);
+    seekAlongSurface(scene, positions, std::move(in_space), again);
+    const Index now = countJoined(again);
+    const cloud::LostPairs lost = cloud::countLost(positions, again.sides.normals, sought.found.lists, again.found.lists);
+    if (kFewerJoined * now > left || lost.along > kMostAlong * lost.up) break;
+    sought = std::move(again);
+    left = now;
+  }
+  if (left < joined)
+    s.notes.push_back(count(joined, "points had neighbours above or below them, ") +
+                      count(left, "have by normals on which the points around each agree: near layers are told apart"));
+}
+
 }  // namespace
 
 FoundNeighbors findNeighbors(const SceneParams& scene, RestSurface& s) {
@@ -102,33 +151,25 @@ FoundNeighbors findNeighbors(const SceneParams& scene, RestSurface& s) {
   // Particles have no rings that could come apart.
   if (!s.is_thick && !findModel(scene.model).traits().is_oriented) warnOfRows(s);
   if (params.areEuclidean() || s.is_thick) return {{}, std::vector<char>(s.dense.positions.size(), 1)};
-  cloud::SurfaceSides sides;
-  std::vector<char> is_own;
-  const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
-  sides.oriented = is_given;
-  if (is_given) {
-    sides.normals = s.dense.normals;
-  } else {
-    cloud::NormalsInSpace normals = cloud::estimateNormalsInSpace(s.dense.positions, s.dense_neighbors);
-    sides.normals = std::move(normals.normals);
-    sides.at_creases = std::move(normals.at_creases);
-    is_own = std::move(normals.is_own);
-  }
   const Points& positions = s.dense.positions;
-  const cloud::GeodesicGraph graph =
-      cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesic_exponent, scene.input.min_gap);
-  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(s.dense_neighbors));
-  s.dense_neighbors = std::move(found.lists);
-  noteGaps(found, s);
-  std::vector<char> are_nearest(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) are_nearest[i] = !found.is_changed[i];
-  if (is_given) return {{}, std::move(are_nearest)};
-  if (found.num_refused > 0) {
-    // The others have been estimated from the same lists.
-    for (std::size_t i = 0; i < positions.size(); ++i) is_own[i] = is_own[i] || found.is_changed[i];
-    cloud::estimateNormals(positions, s.dense_neighbors, is_own, sides.normals);
+  const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
+  Sought sought;
+  sought.sides.oriented = is_given;
+  if (is_given) {
+    sought.sides.normals = s.dense.normals;
+  } else {
+    cloud::NormalsInSpace normals = cloud::estimateNormalsInSpace(positions, s.dense_neighbors);
+    sought.sides.normals = std::move(normals.normals);
+    sought.sides.at_creases = std::move(normals.at_creases);
+    sought.is_own = std::move(normals.is_own);
   }
-  return {std::move(sides.normals), std::move(are_nearest)};
+  seekAlongSurface(scene, positions, std::move(s.dense_neighbors), sought);
+  if (!is_given && params.geodesic_exponent.is_auto) tellLayersApart(scene, sought, s);
+  noteGaps(sought.found, s);
+  s.dense_neighbors = std::move(sought.found.lists);
+  std::vector<char> are_nearest(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) are_nearest[i] = !sought.found.is_changed[i];
+  return {is_given ? Points() : std::move(sought.sides.normals), std::move(are_nearest)};
 }
 
 FoundNeighbors findBodyNeighbors(const SceneParams& params, RestSurface& s) {

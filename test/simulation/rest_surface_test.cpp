@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace deformable_surface::test {
@@ -91,6 +92,51 @@ TEST(RestSurface, LayersSomeSpacingsApartAreTwoSurfaces) {
       cloud::labelComponents(s.rings, components);
       EXPECT_EQ(components, 2) << rows << ' ' << gap;
     }
+}
+
+// Planes across the layers hold about as many points as the layers do.
+TEST(RestSurface, StackedLayersASpacingApartAreAsManySurfaces) {
+  for (const int layers : {3, 5})
+    for (const double gap : {1.0, 1.2, 1.4})
+      for (const double jitter : {0.0, 0.3}) {
+        std::mt19937 random(static_cast<std::uint32_t>(layers));
+        const auto draw = [&] { return jitter * (random() / 2147483648.0 - 1.0); };
+        cloud::PointCloud cloud;
+        for (int k = 0; k < layers; ++k)
+          for (int i = 0; i < 16; ++i)
+            for (int j = 0; j < 16; ++j) {
+              const double x = i + draw(), y = j + draw();
+              cloud.positions.emplace_back(0.02 * x, 0.02 * y, 0.02 * gap * k);
+            }
+        cloud.width = cloud.size();
+        SceneParams scene;
+        scene.simplification.method = cloud::SimplificationMethod::kNone;
+        const RestSurface s = simulation::buildRestSurface(scene, cloud);
+        Index components = 0;
+        cloud::labelComponents(s.rings, components);
+        EXPECT_EQ(components, layers) << gap << ' ' << jitter;
+      }
+}
+
+// Leaves beside each other of a sheet that is creased at every sixth row. Points above and below others lie on the same surface.
+TEST(RestSurface, AnAccordionKeepsItsPoints) {
+  for (const double turn : {100.0, 120.0, 140.0}) {
+    const double slope = 0.5 * turn * M_PI / 180.0;
+    cloud::PointCloud cloud;
+    for (int i = 0; i < 36; ++i)
+      for (int j = 0; j < 16; ++j) {
+        const int along = i % 12 < 6 ? i % 12 : 12 - i % 12;
+        cloud.positions.emplace_back(0.02 * i * std::cos(slope), 0.02 * j, 0.02 * along * std::sin(slope));
+      }
+    cloud.width = cloud.size();
+    SceneParams scene;
+    scene.simplification.method = cloud::SimplificationMethod::kNone;
+    const RestSurface s = simulation::buildRestSurface(scene, cloud);
+    Index components = 0;
+    cloud::labelComponents(s.rings, components);
+    EXPECT_EQ(components, 1) << turn;
+    EXPECT_EQ(s.points.size(), cloud.positions.size()) << turn;
+  }
 }
 
 TEST(RestSurface, EuclideanNeighbourhoodsBridgeIt) {
