@@ -24,20 +24,26 @@ void noteJoinedLayers(RestSurface& s) {
   const double shortest = kShortest * std::sqrt(s.area / static_cast<double>(n));
   std::vector<char> is_joined(n);
   double longest = 0.0;
-  for (Index i = 0; i < n; ++i)
-    for (const Index* j = s.rings.ring.begin(i); j != s.rings.ring.end(i); ++j) {
-      const Vec3 link = s.points[*j] - s.points[i];
-      if (link.norm() < shortest || !cloud::leadsUp(link, s.normals[i], s.normals[*j])) continue;
-      is_joined[i] = is_joined[*j] = 1;
-      longest = std::max(longest, link.norm());
-    }
+  std::vector<Index> around;
+  for (Index i = 0; i < n; ++i) {
+    around.assign(s.rings.ring.begin(i), s.rings.ring.end(i));
+    around.push_back(i);
+    for (const Index j : around)
+      for (const Index k : around) {
+        const Vec3 way = s.points[k] - s.points[j];
+        if (k <= j || way.norm() < shortest || !cloud::leadsUp(way, s.normals[j], s.normals[k])) continue;
+        is_joined[j] = is_joined[k] = 1;
+        longest = std::max(longest, way.norm());
+      }
+  }
   const auto first = std::find(is_joined.begin(), is_joined.end(), 1);
   if (first == is_joined.end()) return;
   const Index joined = static_cast<Index>(std::count(first, is_joined.end(), 1));
   (joined * kManyShare > n ? s.warnings : s.notes)
       .push_back(
-          count(joined, "of ") + std::to_string(n) + " simulation points are linked to points above or below them, up to " +
-          formatShort(longest) + " m away, one of them at " + formatPlace(s.points[first - is_joined.begin()]) +
+          count(joined, "of ") + std::to_string(n) +
+          " simulation points are linked, at most over one other, to points above or below them, up to " + formatShort(longest) +
+          " m away, one of them at " + formatPlace(s.points[first - is_joined.begin()]) +
           " m: near layers, leaves of a sharp crease, or layers with single points between them are joined there and move as "
           "one; normals in the cloud, or a denser one, may tell them apart");
 }

@@ -5,8 +5,9 @@
 
 namespace deformable_surface::simulation {
 
-/// Tells how many simulation points are linked to points that lie above or below them, and where: near layers, and single points
-/// between layers, look like that. A warning if they are many, else a note. s: with simulation points and their rings.
+/// Tells how many simulation points are linked, at most over one other, to points that lie above or below them, and where: near
+/// layers, and single points between layers, look like that. A warning if they are more than one in fifty, else a note. s: with
+/// simulation points and their rings.
 void noteJoinedLayers(RestSurface& s);
 
 }  // namespace deformable_surface::simulation
