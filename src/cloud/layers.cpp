@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::cloud {
@@ -24,6 +25,7 @@ constexpr double kOnPlane = 0.4;    // of the spacing
 constexpr std::size_t kFewest = 5;  // points that span a plane
 constexpr double kLine = 0.05;      // ratio of their larger variances below which they lie on a line
 constexpr double kSecond = 0.4;     // of the votes for the first
+constexpr double kCertain = 0.95;   // cosine: where all around are so near to a point's normal it stays
 constexpr int kRounds = 8;
 
 void checkSizes(const char* function, const Points& positions, const Points& normals, const Lists& neighbors) {
@@ -36,6 +38,11 @@ void checkSizes(const char* function, const Points& positions, const Points& nor
 double findSpacing(const Points& positions, const Lists& neighbors, Index i) {
   const Index count = std::min(neighbors.count(i), kSpacing);
   return count == 0 ? 0.0 : (positions[neighbors.begin(i)[count - 1]] - positions[i]).norm();
+}
+
+bool isCertain(const Lists& neighbors, const Points& normals, Index i) {
+  const auto agrees = [&](Index j) { return std::abs(normals[j].dot(normals[i])) > kCertain; };
+  return std::all_of(neighbors.begin(i), neighbors.end(i), agrees);
 }
 
 // The votes of those around a point for the normals of each of them.
@@ -133,21 +140,25 @@ LostPairs countLost(const Points& positions, const Points& normals, const Lists&
 AgreedNormals agreeOnNormals(const Points& positions, const Lists& neighbors, Points normals) {
   checkSizes("agreeOnNormals", positions, normals, neighbors);
   AgreedNormals agreed{std::move(normals), Points(positions.size())};
-  Points& chosen = agreed.at_creases;
+  Points& next = agreed.at_creases;
   for (int round = 0; round < kRounds; ++round) {
     parallelFor(neighbors.size(), kBlock, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) chosen[i] = Vote(neighbors, agreed.normals, i).first();
-    });
-    parallelFor(neighbors.size(), kBlock, [&](Index begin, Index end) {
       std::vector<Vec3> on_plane;
-      for (Index i = begin; i < end; ++i) agreed.normals[i] = fitOnPlane(positions, neighbors, i, chosen[i], on_plane);
+      for (Index i = begin; i < end; ++i) {
+        next[i] = agreed.normals[i];
+        if (isCertain(neighbors, agreed.normals, i)) continue;
+        next[i] = fitOnPlane(positions, neighbors, i, Vote(neighbors, agreed.normals, i).first(), on_plane);
+      }
     });
+    std::swap(agreed.normals, next);
   }
   parallelFor(neighbors.size(), kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
+      agreed.at_creases[i] = agreed.normals[i];
+      if (isCertain(neighbors, agreed.normals, i)) continue;
       const Vote vote(neighbors, agreed.normals, i);
       const Vec3& second = vote.second();
-      agreed.at_creases[i] = &second == &vote.first() ? agreed.normals[i] : second;
+      if (&second != &vote.first()) agreed.at_creases[i] = second;
     }
   });
   return agreed;

@@ -39,7 +39,7 @@ void noteJoinedLayers(RestSurface& s) {
   const auto first = std::find(is_joined.begin(), is_joined.end(), 1);
   if (first == is_joined.end()) return;
   const Index joined = static_cast<Index>(std::count(first, is_joined.end(), 1));
-  (joined * kManyShare > n ? s.warnings : s.notes)
+  (joined > n / kManyShare ? s.warnings : s.notes)
       .push_back(
           count(joined, "of ") + std::to_string(n) +
           " simulation points are linked, at most over one other, to points above or below them, up to " + formatShort(longest) +

@@ -119,7 +119,7 @@ void tellLayersApart(const SceneParams& scene, Sought& sought, RestSurface& s) {
   const auto countJoined = [&](const Sought& by) { return cloud::countLinkedUp(positions, by.sides.normals, by.found.lists); };
   const Index joined = countJoined(sought);
   Index left = joined;
-  for (int trial = 0; trial < kTrials && left * kJoinedShare > static_cast<Index>(positions.size()); ++trial) {
+  for (int trial = 0; trial < kTrials && left > static_cast<Index>(positions.size()) / kJoinedShare; ++trial) {
     Lists in_space = cloud::nearestNeighbors(positions, 2 * scene.neighbors.k);
     cloud::AgreedNormals agreed = cloud::agreeOnNormals(positions, in_space, sought.sides.normals);
     Sought again;

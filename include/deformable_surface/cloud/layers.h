@@ -33,10 +33,10 @@ struct AgreedNormals {
   Points at_creases;  // (n) where those around a point agree on two normals the second, else the same
 };
 
-/// Each normal becomes the one of those around it with which most of them agree, and then that of the points around it which lie
-/// on its plane. Between layers about a spacing apart, planes across the layers hold as many points as the layers themselves.
-/// Single points take them for the surface; most points do not. neighbors: in space, nearest first; normals: (n) unit. Parallel;
-/// O(n k^2).
+/// Each normal that is not nearly that of all around it becomes the one of these with which most agree, and then that of the
+/// points around it which lie on its plane. Between layers about a spacing apart, planes across the layers hold as many points as
+/// the layers themselves. Single points take them for the surface; most points do not. neighbors: in space, nearest first;
+/// normals: (n) unit. Parallel; O(n k^2).
 AgreedNormals agreeOnNormals(const Points& positions, const Lists& neighbors, Points normals);
 
 }  // namespace deformable_surface::cloud
