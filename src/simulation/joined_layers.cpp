@@ -14,7 +14,7 @@ namespace {
 // Of the mean spacing of the simulation points: shorter links are steep on rough surfaces, too. Chosen on drawn layers and on
 // scans (docs/geodesics.md).
 constexpr double kShortest = 0.9;
-constexpr Index kManyShare = 50;  // of the points: one in so many
+constexpr Index kManyShare = 4;  // of the points: one in so many. Steep steps and narrow tubes have up to that many, too
 
 }  // namespace
 
@@ -44,8 +44,8 @@ void noteJoinedLayers(RestSurface& s) {
           count(joined, "of ") + std::to_string(n) +
           " simulation points are linked, at most over one other, to points above or below them, up to " + formatShort(longest) +
           " m away, one of them at " + formatPlace(s.points[first - is_joined.begin()]) +
-          " m: near layers, leaves of a sharp crease, or layers with single points between them are joined there and move as "
-          "one; normals in the cloud, or a denser one, may tell them apart");
+          " m: if these are layers near each other, or with single points between them, they are joined there and move as one; "
+          "normals in the cloud, or a denser one, may tell them apart (sharp creases, steps and narrow tubes look alike)");
 }
 
 }  // namespace deformable_surface::simulation

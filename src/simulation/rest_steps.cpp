@@ -32,6 +32,9 @@ constexpr Index kFewerJoined = 2;  // of these are left where layers have been t
 // Of the neighbours that are lost then, along the surface over those in other layers. Drawn layers lose up to 2.1 times as many,
 // creased sheets 3 to 80 times.
 constexpr double kMostAlong = 2.5;
+// Of them, per point that had others above or below it. Drawn layers lose up to 21; closed bodies two spacings thick, which would
+// fall into their sides, more.
+constexpr Index kMostLost = 22;
 // Simulation points, at least, per corner that is kept, if there are more corners than any clean outline of few points has.
 constexpr Index kPointsPerCorner = 10, kCornersOfFew = 32;
 
@@ -129,13 +132,15 @@ void tellLayersApart(const SceneParams& scene, Sought& sought, RestSurface& s) {
     seekAlongSurface(scene, positions, std::move(in_space), again);
     const Index now = countJoined(again);
     const cloud::LostPairs lost = cloud::countLost(positions, again.sides.normals, sought.found.lists, again.found.lists);
-    if (kFewerJoined * now > left || lost.along > kMostAlong * lost.up) break;
+    if (kFewerJoined * now > left || lost.along > kMostAlong * lost.up || lost.up + lost.along > kMostLost * left) break;
     sought = std::move(again);
     left = now;
   }
   if (left < joined)
     s.notes.push_back(count(joined, "points had neighbours above or below them, ") +
-                      count(left, "have by normals on which the points around each agree: near layers are told apart"));
+                      count(left,
+                            "have by normals on which the points around each agree: fewer layers are joined; of a filled body, "
+                            "which falls into layers by this, elastic_solid is the model"));
 }
 
 }  // namespace

@@ -139,6 +139,25 @@ TEST(RestSurface, AnAccordionKeepsItsPoints) {
   }
 }
 
+// The faces of boxes of 12 x 10 spacings. Upper and lower face are as near each other as layers are, and joined by the rim.
+TEST(RestSurface, AThinClosedBodyStaysWhole) {
+  for (const int thick : {2, 3}) {
+    cloud::PointCloud cloud;
+    for (int i = 0; i <= 12; ++i)
+      for (int j = 0; j <= 10; ++j)
+        for (int k = 0; k <= thick; ++k)
+          if (i % 12 == 0 || j % 10 == 0 || k % thick == 0) cloud.positions.emplace_back(0.02 * i, 0.02 * j, 0.02 * k);
+    cloud.width = cloud.size();
+    SceneParams scene;
+    scene.simplification.method = cloud::SimplificationMethod::kNone;
+    const RestSurface s = simulation::buildRestSurface(scene, cloud);
+    Index components = 0;
+    cloud::labelComponents(s.rings, components);
+    EXPECT_EQ(components, 1) << thick;
+    EXPECT_EQ(s.points.size(), cloud.positions.size()) << thick;
+  }
+}
+
 TEST(RestSurface, EuclideanNeighbourhoodsBridgeIt) {
   const RestSurface s = build(0.02, 1.0);
   EXPECT_GT(countAcross(s), 50);
