@@ -137,10 +137,10 @@ void tellLayersApart(const SceneParams& scene, Sought& sought, RestSurface& s) {
     left = now;
   }
   if (left < joined)
-    s.notes.push_back(count(joined, "points had neighbours above or below them, ") +
-                      count(left,
-                            "have by normals on which the points around each agree: fewer layers are joined; of a filled body, "
-                            "which falls into layers by this, elastic_solid is the model"));
+    s.notes.push_back(
+        count(joined, "points had neighbours above or below them, ") +
+        count(left, "have by normals on which the points around each agree: fewer layers are joined (a filled body ") +
+        "falls into layers by this; elastic_solid is the model for it)");
 }
 
 }  // namespace
