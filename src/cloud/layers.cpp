@@ -4,14 +4,14 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "fit_plane.h"
 
 namespace deformable_surface::cloud {
 namespace {
@@ -22,7 +22,7 @@ constexpr Index kSpacing = 4;       // neighbours, of which the last is a spacin
 constexpr double kShortest = 0.9;   // of that: nearer points lie above each other on rough surfaces, too
 constexpr double kAlike = 0.8;      // cosine from which on normals agree, the more the larger it is
 constexpr double kOnPlane = 0.4;    // of the spacing
-constexpr std::size_t kFewest = 5;  // points that span a plane
+constexpr std::size_t kFewest = 4;  // points around one that span a plane with it
 constexpr double kLine = 0.05;      // ratio of their larger variances below which they lie on a line
 constexpr double kSecond = 0.4;     // of the votes for the first
 constexpr double kCertain = 0.95;   // cosine: where all around are so near to a point's normal it stays
@@ -84,23 +84,15 @@ class Vote {
   std::vector<double> votes_;
 };
 
-Vec3 fitOnPlane(const Points& positions, const Lists& neighbors, Index i, const Vec3& normal, std::vector<Vec3>& on_plane) {
+// on_plane: scratch.
+Vec3 fitOnPlane(const Points& positions, const Lists& neighbors, Index i, const Vec3& normal, std::vector<Index>& on_plane) {
   const double most = kOnPlane * findSpacing(positions, neighbors, i);
-  on_plane.assign(1, Vec3::Zero());
-  Vec3 mean = Vec3::Zero();
-  for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-    const Vec3 offset = positions[*j] - positions[i];
-    if (std::abs(offset.dot(normal)) > most) continue;
-    on_plane.push_back(offset);
-    mean += offset;
-  }
+  on_plane.clear();
+  for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j)
+    if (std::abs((positions[*j] - positions[i]).dot(normal)) <= most) on_plane.push_back(*j);
   if (on_plane.size() < kFewest) return normal;
-  mean /= static_cast<double>(on_plane.size());
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& offset : on_plane) spread += (offset - mean) * (offset - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
-  if (!(solver.eigenvalues()[1] > kLine * solver.eigenvalues()[2])) return normal;
-  return solver.eigenvectors().col(0).normalized();
+  const Plane plane = fitPlane(positions, i, on_plane.data(), on_plane.data() + on_plane.size());
+  return plane.width > kLine ? plane.normal : normal;
 }
 
 }  // namespace
@@ -143,7 +135,7 @@ AgreedNormals agreeOnNormals(const Points& positions, const Lists& neighbors, Po
   Points& next = agreed.at_creases;
   for (int round = 0; round < kRounds; ++round) {
     parallelFor(neighbors.size(), kBlock, [&](Index begin, Index end) {
-      std::vector<Vec3> on_plane;
+      std::vector<Index> on_plane;
       for (Index i = begin; i < end; ++i) {
         next[i] = agreed.normals[i];
         if (isCertain(neighbors, agreed.normals, i)) continue;

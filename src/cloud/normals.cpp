@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "fit_plane.h"
 #include "own_part.h"
 #include "signed_sets.h"
 #include "spanning_forest.h"
@@ -169,13 +170,8 @@ struct Component {
   Vec3 mean_normal = Vec3::Zero();
 };
 
-struct Plane {
-  Vec3 normal;
-  double thickness = 0.0;  // least variance over the middle one
-  double width = 0.0;      // middle variance over the largest
-};
+}  // namespace
 
-// The plane of least variance through a point and its neighbours.
 Plane fitPlane(const Points& positions, Index i, const Index* first, const Index* last) {
   // Offsets from the point keep their digits far from the origin; scaled to one they neither overflow nor underflow.
   const Vec3 p = positions[i];
@@ -214,6 +210,8 @@ Plane fitPlane(const Points& positions, Index i, const Index* first, const Index
   return {solver.eigenvectors().col(0).normalized(), variance[1] > 0.0 ? variance[0] / variance[1] : 0.0,
           variance[2] > 0.0 ? variance[1] / variance[2] : 0.0};
 }
+
+namespace {
 
 // Replaces the plane of a thick neighbourhood by that of the points that no gap parts from point i, if this is clearly flatter.
 bool fitOwnPlane(const Points& positions, Index i, const Index* first, const Index* last, OwnPart& part, Plane& plane) {

@@ -34,6 +34,19 @@ RestSurface build(double gap, const OrAuto<double>& geodesic_exponent) {
   return simulation::buildRestSurface(scene, io::makeShape(scene.cloud));
 }
 
+RestSurface buildOfAll(cloud::PointCloud cloud) {
+  cloud.width = cloud.size();
+  SceneParams scene;
+  scene.simplification.method = cloud::SimplificationMethod::kNone;
+  return simulation::buildRestSurface(scene, cloud);
+}
+
+Index countParts(const RestSurface& s) {
+  Index components = 0;
+  cloud::labelComponents(s.rings, components);
+  return components;
+}
+
 // Ring links from one bar to the other, beyond the joint.
 int countAcross(const RestSurface& s) {
   int count = 0;
@@ -83,14 +96,9 @@ TEST(RestSurface, LayersSomeSpacingsApartAreTwoSurfaces) {
         for (int i = 0; i < 24; ++i)
           for (int j = 0; j < rows; ++j)
             cloud.positions.emplace_back(0.02 * i + draw(), 0.02 * j + draw(), 0.1 * draw() + 0.02 * gap * layer);
-      cloud.width = cloud.size();
-      SceneParams scene;
-      scene.simplification.method = cloud::SimplificationMethod::kNone;
-      const RestSurface s = simulation::buildRestSurface(scene, cloud);
+      const RestSurface s = buildOfAll(cloud);
       EXPECT_FALSE(s.is_thick) << rows << ' ' << gap;
-      Index components = 0;
-      cloud::labelComponents(s.rings, components);
-      EXPECT_EQ(components, 2) << rows << ' ' << gap;
+      EXPECT_EQ(countParts(s), 2) << rows << ' ' << gap;
     }
 }
 
@@ -108,13 +116,8 @@ TEST(RestSurface, StackedLayersASpacingApartAreAsManySurfaces) {
               const double x = i + draw(), y = j + draw();
               cloud.positions.emplace_back(0.02 * x, 0.02 * y, 0.02 * gap * k);
             }
-        cloud.width = cloud.size();
-        SceneParams scene;
-        scene.simplification.method = cloud::SimplificationMethod::kNone;
-        const RestSurface s = simulation::buildRestSurface(scene, cloud);
-        Index components = 0;
-        cloud::labelComponents(s.rings, components);
-        EXPECT_EQ(components, layers) << gap << ' ' << jitter;
+        const RestSurface s = buildOfAll(cloud);
+        EXPECT_EQ(countParts(s), layers) << gap << ' ' << jitter;
       }
 }
 
@@ -128,13 +131,8 @@ TEST(RestSurface, AnAccordionKeepsItsPoints) {
         const int along = i % 12 < 6 ? i % 12 : 12 - i % 12;
         cloud.positions.emplace_back(0.02 * i * std::cos(slope), 0.02 * j, 0.02 * along * std::sin(slope));
       }
-    cloud.width = cloud.size();
-    SceneParams scene;
-    scene.simplification.method = cloud::SimplificationMethod::kNone;
-    const RestSurface s = simulation::buildRestSurface(scene, cloud);
-    Index components = 0;
-    cloud::labelComponents(s.rings, components);
-    EXPECT_EQ(components, 1) << turn;
+    const RestSurface s = buildOfAll(cloud);
+    EXPECT_EQ(countParts(s), 1) << turn;
     EXPECT_EQ(s.points.size(), cloud.positions.size()) << turn;
   }
 }
@@ -147,13 +145,8 @@ TEST(RestSurface, AThinClosedBodyStaysWhole) {
       for (int j = 0; j <= 10; ++j)
         for (int k = 0; k <= thick; ++k)
           if (i % 12 == 0 || j % 10 == 0 || k % thick == 0) cloud.positions.emplace_back(0.02 * i, 0.02 * j, 0.02 * k);
-    cloud.width = cloud.size();
-    SceneParams scene;
-    scene.simplification.method = cloud::SimplificationMethod::kNone;
-    const RestSurface s = simulation::buildRestSurface(scene, cloud);
-    Index components = 0;
-    cloud::labelComponents(s.rings, components);
-    EXPECT_EQ(components, 1) << thick;
+    const RestSurface s = buildOfAll(cloud);
+    EXPECT_EQ(countParts(s), 1) << thick;
     EXPECT_EQ(s.points.size(), cloud.positions.size()) << thick;
   }
 }
