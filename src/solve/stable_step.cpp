@@ -22,6 +22,7 @@ double limit(double w, double rate) {
 }  // namespace
 
 double StableStep::estimate(double time, const State& state, const System& system) {
+  slow_rate_ = system.boundSlowRate(state);
   const double known = system.findStableStep(state);
   if (known > 0.0)
     return limit(std::sqrt(4.0 / (known * known) + system.loadStiffness(time, state)), system.dampingRate(time, state));
@@ -53,8 +54,7 @@ std::pair<const BlockSparse*, double> StableStep::fillStiffness(double time, con
     fast_.begin(system.size());
     system.addFastStiffness(state, fast_);
     fast_.finish();
-    const double slow = system.boundSlowRate(state);
-    if (slow <= kFaint * largestEntry(fast_)) return {&fast_, slow};
+    if (slow_rate_ <= kFaint * largestEntry(fast_)) return {&fast_, slow_rate_};
   }
   whole_.begin(system.size());
   system.addStiffness(time, state, 0.0, model::Hessian::kPositive, whole_);

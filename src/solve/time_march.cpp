@@ -139,7 +139,7 @@ void TimeMarch::refreshStableStep(double time, const State& state) {
   has_less_stretch_ = false;
   memory_.stable_step = stable_step_.estimate(time, state, system_);
   memory_.max_substep = std::min(memory_.max_substep, memory_.stable_step);
-  memory_.max_slow_step = 2.0 / std::sqrt(system_.boundSlowRate(state));
+  memory_.max_slow_step = 2.0 / std::sqrt(stable_step_.slowRate());
   memory_.stretch_at_estimate = stretch;
   memory_.loads_at_estimate = loads;
   memory_.estimate_needed = false;

@@ -21,6 +21,9 @@ class StableStep {
   /// stiffness has its pattern.
   double estimate(double time, const State& state, const System& system);
 
+  /// System::boundSlowRate() at the state of the last estimate, 1/s^2.
+  double slowRate() const { return slow_rate_; }
+
  private:
   /// Which matrix to measure, and what to add to its largest eigenvalue, 1/s^2. Needs scale_.
   std::pair<const BlockSparse*, double> fillStiffness(double time, const State& state, const System& system);
@@ -28,6 +31,7 @@ class StableStep {
   double largestEntry(const BlockSparse& stiffness) const;
 
   BlockSparse fast_, whole_;  // without and with slow forces
+  double slow_rate_ = 0.0;
   Points rank_one_;
   Lanczos lanczos_;
   Eigen::VectorXd scale_, scaled_;  // (3 n); scale_: 1 / sqrt(mass), 0 on held points
