@@ -105,15 +105,22 @@ TEST(Simplification, EveryTargetAndThresholdIsAPrefixOfOnePass) {
   EXPECT_TRUE(std::equal(shorter.removed.begin(), shorter.removed.end(), result.removed.begin()));
 }
 
+// In larger clouds points are evaluated ahead of their turn, by all threads.
 TEST(Simplification, DoesNotDependOnTheNumberOfThreads) {
-  const TestSurface torus = makeTorus(90, 40, 0.0);
-  setNumThreads(1);
-  const Simplification one = simplifyTo(torus, 100);
-  setNumThreads(3);
-  const Simplification three = simplifyTo(torus, 100);
-  setNumThreads(0);
-  EXPECT_EQ(one.removed, three.removed);
-  EXPECT_EQ(one.diameter, three.diameter);
+  for (const TestSurface& surface : {makeTorus(90, 40, 0.0), makeTorus(120, 60, 0.0), makeSheet(100, 0.3)}) {
+    const Lists neighbors = nearestNeighbors(surface.positions, 32);
+    const std::vector<char> none(surface.positions.size(), 0);
+    for (const bool over_surface : {false, true}) {
+      const auto order = [&](int threads) {
+        setNumThreads(threads);
+        return simplify(surface.positions, surface.normals, 16, 100, {}, neighbors, none, over_surface);
+      };
+      const Simplification one = order(1), three = order(3);
+      setNumThreads(0);
+      EXPECT_EQ(one.removed, three.removed);
+      EXPECT_EQ(one.diameter, three.diameter);
+    }
+  }
 }
 
 TEST(Simplification, KeyIsTheRingDiameterOfAHexagonalLattice) {
