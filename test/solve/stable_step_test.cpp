@@ -90,7 +90,7 @@ TEST(StableStep, BoundsSlowForcesWhereTheyAreFaintAndMeasuresThemElsewhere) {
   spring.stiffness = 4000.0;
   // Beside a load with a stiffness on a free point they are measured, too.
   for (const bool is_loaded : {false, true})
-    for (const double slow : {1.0, 8.9, 9.1, 900.0})
+    for (const double slow : {1.0, 35.9, 36.1, 900.0})
       for (const double bound : {1.0, 3.0}) {
         const Slowed model(slow, bound);
         std::vector<const solve::ExternalLoad*> loads;
@@ -106,7 +106,7 @@ TEST(StableStep, BoundsSlowForcesWhereTheyAreFaintAndMeasuresThemElsewhere) {
           EXPECT_GE(step, findExpected(fast) * (1.0 - kBound)) << slow;
           model.slow_matrices = 0;
           EXPECT_EQ(estimator.estimate(0.0, state, system), step);
-          EXPECT_EQ(model.slow_matrices, !(is_loaded && fast > 900.0) && bound * slow <= 0.01 * fast ? 0 : 1) << slow;
+          EXPECT_EQ(model.slow_matrices, !(is_loaded && fast > 900.0) && bound * slow <= 0.04 * fast ? 0 : 1) << slow;
           held = {1, 1, 0};  // points that are held do not count
         }
       }
