@@ -188,7 +188,8 @@ void Dynamics::placePointsBetween() {
   if (!between || !model_->links()) return;
   const auto& links = model_->links()->stretchLinks();
   const bool is_cut = static_cast<Index>(links.size()) < num_links_;
-  loads_.contact.setSevered(is_cut ? findSevered(*between, links, now_.points.size()) : std::vector<char>());
+  loads_.contact.setSevered(is_cut ? findSevered(*between, links, static_cast<Index>(model_->masses().size()))
+                                   : std::vector<char>());
 }
 
 // The parts of contact that are cut with the surface.
@@ -214,8 +215,9 @@ void Dynamics::placeLoadPoints() {
   if (!loads_.forces.loadPoints() || !model_->links()) return;
   const auto& links = model_->links()->stretchLinks();
   const bool is_cut = static_cast<Index>(links.size()) < num_links_;
-  loads_.forces.setSevered(is_cut ? findSevered(*loads_.forces.loadPoints()->between, links, now_.points.size())
-                                  : std::vector<char>());
+  loads_.forces.setSevered(
+      is_cut ? findSevered(*loads_.forces.loadPoints()->between, links, static_cast<Index>(model_->masses().size()))
+             : std::vector<char>());
 }
 
 void Dynamics::giveContactTools() {

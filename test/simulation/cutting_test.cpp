@@ -118,6 +118,23 @@ TEST(Cutting, EachPointOfTheCloudGoesWithItsOwnSide) {
   }
 }
 
+TEST(Cutting, AForkOfACutSheetBesideAToolGoesOnBitForBit) {
+  simulation::SceneParams p = stillSheet();
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.1;
+  ball.path = {{0.0, Vec3(0.8, 0.0, -0.09)}};
+  p.tools.push_back(ball);
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 12);
+  ASSERT_EQ(simulation::computeQuantity("components", s), 2.0);
+  simulation::Simulation fork = s.fork(), viewer = s.viewer();
+  EXPECT_EQ(viewer.surface(true).positions, s.surface(true).positions);
+  run(s, 5);
+  run(fork, 5);
+  EXPECT_EQ(fork.stateHash(), s.stateHash());
+}
+
 TEST(Cutting, WhatHangsBelowTheCutFallsFreely) {
   simulation::SceneParams p = stillSheet();
   p.material.damping = 0.0;
