@@ -67,8 +67,9 @@ bool allFinite(const Points& points) {
   return std::isfinite(sum);
 }
 
-constexpr int kStuck = 3;          // iterations in a row that were shortened and brought nothing
-constexpr double kTooMuch = 1e-6;  // of the kinetic energy: far above rounding
+constexpr int kStuck = 3;           // iterations in a row that were shortened and brought nothing
+constexpr double kTooMuch = 1e-6;   // of the kinetic energy: far above rounding
+constexpr double kRounding = 1e-9;  // of the energies of a step: as much is left by rounding and by the search for a balance
 
 bool isAnyHeld(const System& system) {
   for (Index i = 0; i < system.size(); ++i)
@@ -187,8 +188,10 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
   solve(system, time + step, step, before.positions, before.velocities, energy, state, report);
   report.carrying_work = system.workAgainst(time + step, state, before.positions, state.positions);
-  const double allowed = energy + std::max(0.0, remainderWork(state)) + *report.carrying_work;
-  energy_limit_.apply(system, time, step, allowed - system.potentialEnergy(time + step, state), true, before, state);
+  const double potential = system.potentialEnergy(time + step, state);
+  const double allowed =
+      energy + std::max(0.0, remainderWork(state)) + *report.carrying_work + kRounding * (std::abs(energy) + std::abs(potential));
+  energy_limit_.apply(system, time, step, allowed - potential, true, before, state);
   system.remember(time + step, step, state);
   report.finite = allFinite(state.positions);
   return report;
@@ -220,8 +223,9 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   stage_.solve(system, time + step, part, from_, velocity_, energy, state, report);
   work += stage_.remainderWork(state);
   *report.carrying_work += system.workAgainst(time + step, state, from_, state.positions);
-  const double allowed = energy + std::max(0.0, work) + *report.carrying_work;
   const double potential = system.potentialEnergy(time + step, state);
+  const double allowed =
+      energy + std::max(0.0, work) + *report.carrying_work + kRounding * (std::abs(energy) + std::abs(potential));
   report.finite = allFinite(state.positions);
   if (report.finite && potential <= allowed &&
       energy_limit_.apply(system, time, step, allowed - potential, false, before_, state)) {
