@@ -6,7 +6,8 @@ every header is found.
   check_headers.py --self-test     shows on made-up headers that each rule can fail"""
 import os
 import re
-import sys
+
+import repository_check
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*"deformable_surface/([^"]+)"', re.MULTILINE)
 LISTED = "listed in cmake/installed_headers.cmake"
@@ -74,20 +75,10 @@ def test_self():
     return wrong, len(cases)
 
 
-def main():
-    if sys.argv[1:] == ["--self-test"]:
-        problems, count = test_self()
-    elif len(sys.argv) <= 2 and not sys.argv[-1].startswith("-"):
-        here = os.path.dirname(os.path.realpath(__file__))
-        public, included, described, includes = read_repository(sys.argv[1] if len(sys.argv) == 2 else os.path.dirname(here))
-        problems, count = find_problems(public, included, described, includes), len(public | included)
-    else:
-        sys.exit("usage: check_headers.py [REPOSITORY | --self-test]")
-    for problem in problems:
-        print(problem)
-    print("%d checked, %d wrong" % (count, len(problems)))
-    sys.exit(1 if problems else 0)
+def check_tree(repository):
+    public, included, described, includes = read_repository(repository)
+    return find_problems(public, included, described, includes), len(public | included)
 
 
 if __name__ == "__main__":
-    main()
+    repository_check.run(check_tree, test_self, "no header found")

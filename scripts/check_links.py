@@ -6,8 +6,9 @@ with an anchor, to a heading of that page. No renderer says this: a dead link ju
 import glob
 import os
 import re
-import sys
 import tempfile
+
+import repository_check
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 FENCE = re.compile(r"\s*(```|~~~)")
@@ -106,21 +107,5 @@ def test_self():
     return wrong, len(cases)
 
 
-def main():
-    if sys.argv[1:] == ["--self-test"]:
-        problems, count = test_self()
-    elif len(sys.argv) <= 2 and not sys.argv[-1].startswith("-"):
-        here = os.path.dirname(os.path.realpath(__file__))
-        problems, count = check_tree(sys.argv[1] if len(sys.argv) == 2 else os.path.dirname(here))
-        if count == 0:
-            problems = ["no link found; give the repository's folder"]
-    else:
-        sys.exit("usage: check_links.py [REPOSITORY | --self-test]")
-    for problem in problems:
-        print(problem)
-    print("%d checked, %d wrong" % (count, len(problems)))
-    sys.exit(1 if problems else 0)
-
-
 if __name__ == "__main__":
-    main()
+    repository_check.run(check_tree, test_self, "no link found")

@@ -6,8 +6,9 @@ checks this.
   check_rooms.py --self-test     shows on made-up files that each rule can fail"""
 import os
 import re
-import sys
 import tempfile
+
+import repository_check
 
 PARAMETERS = r"(.*/)?\w+_params\.h"  # a file of plain values, which the readers of files may know
 
@@ -190,21 +191,5 @@ def test_self():
     return wrong, len(cases)
 
 
-def main():
-    if sys.argv[1:] == ["--self-test"]:
-        problems, count = test_self()
-    elif len(sys.argv) <= 2 and not sys.argv[-1].startswith("-"):
-        here = os.path.dirname(os.path.realpath(__file__))
-        problems, count = check_tree(sys.argv[1] if len(sys.argv) == 2 else os.path.dirname(here))
-        if count == 0:
-            problems = ["no source file found; give the repository's folder"]
-    else:
-        sys.exit("usage: check_rooms.py [REPOSITORY | --self-test]")
-    for problem in problems:
-        print(problem)
-    print("%d checked, %d wrong" % (count, len(problems)))
-    sys.exit(1 if problems else 0)
-
-
 if __name__ == "__main__":
-    main()
+    repository_check.run(check_tree, test_self, "no source file found")
