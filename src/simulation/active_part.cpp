@@ -61,6 +61,12 @@ void ActivePart::limitMotion(contact::SelfContact& contact) {
   system_.setMotionLimit(limit_.get());
 }
 
+void ActivePart::watchBreaking(const solve::Breaking* breaking) {
+  stretch_watch_.breaking = breaking;
+  stretch_watch_.model = model_.get();
+  system_.setBreaking(breaking ? &stretch_watch_ : nullptr);
+}
+
 solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, const std::vector<char>& held,
                                            const std::vector<char>& held_turns) {
   for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -76,6 +82,7 @@ solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, cons
     state_.traits[k] = state.traits[i];
     held_turns_[k] = !moves || held_turns[i];
   }
+  stretch_watch_.has_stretched = false;
   state_.escaped.clear();
   state_.escaped.reserve(loads_.contact.isEmpty() ? 0 : points_.size());
   state_.friction.clear();

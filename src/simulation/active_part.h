@@ -24,6 +24,10 @@ class ActivePart {
 
   /// Parts of the surface must not cross. contact: of the surface, kept by reference.
   void limitMotion(contact::SelfContact& contact);
+  /// Null: nothing breaks. Kept by reference, and only asked: the step in which something would break is void.
+  void watchBreaking(const solve::Breaking* breaking);
+  /// Whether something was stretched too far in the last step.
+  bool hasStretched() const { return stretch_watch_.has_stretched; }
   /// Before a step of a time (s) from a state of the surface: whether it can be told of the moving points alone that nothing will
   /// cross. True without limitMotion().
   bool foresee(const State& state, double time) { return !limit_ || limit_->foresee(state, time); }
@@ -56,6 +60,19 @@ class ActivePart {
   const solve::TimeMarch& march() const { return march_; }
 
  private:
+  struct StretchWatch : solve::Breaking {
+    bool isAnyStretched(const model::DeformableModel& model, const State& state) const override {
+      return breaking->isAnyStretched(model, state);
+    }
+    std::optional<double> breakStretched(const State& state) override {
+      has_stretched = has_stretched || isAnyStretched(*model, state);
+      return {};
+    }
+    void takeBack() override {}
+    const solve::Breaking* breaking = nullptr;
+    const model::DeformableModel* model = nullptr;
+    bool has_stretched = false;
+  };
   enum class Kind : char { kMoving, kRim, kWall, kBehind };  // rim: moving beside the wall
   struct Made {
     std::vector<char> moving;
@@ -75,6 +92,7 @@ class ActivePart {
   solve::System system_;
   solve::TimeMarch march_;
   std::unique_ptr<PartMotionLimit> limit_;  // null: none
+  StretchWatch stretch_watch_;
   State state_;
   Points forces_on_all_, torques_on_all_;  // scratch
 };

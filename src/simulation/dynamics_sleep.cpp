@@ -64,6 +64,7 @@ void Dynamics::makePart() {
   part_->march().setMemory(part_march_);
   part_->march().setFineness(fineness_);
   part_->march().setInterrupt(interrupt_);
+  part_->watchBreaking(evolution_->breaking());
   if (loads_.self_contact) part_->limitMotion(loads_.self_contact->contact);
 }
 
@@ -111,7 +112,7 @@ solve::TimeMarch::Outcome Dynamics::advance(double now) {
     if (!part_->foresee(now_.points, params_.integrator.time_step)) break;
     solve::TimeMarch::Outcome taken = part_->step(now, now_.points, held_, held_turns_);
     if (!taken.ok && interrupt_ && *interrupt_) return taken;
-    if (!taken.ok || part_->hasLeftForesight()) break;
+    if (!taken.ok || part_->hasLeftForesight() || part_->hasStretched()) break;
     if (!now_.followed.empty() && part_->hasMoved(now_.followed, model_->partition()->maxPartMotion())) {
       if (is_new) break;  // too far in one step
       part_.reset();

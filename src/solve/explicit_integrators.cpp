@@ -90,6 +90,7 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
       state.positions[i] += dt * state.velocities[i];
     }
     if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, dt, s == 0, state);
+    report.breakStretched(system, state);
     system.remember(time + (s + 1) * dt, dt, state);
   }
   report.finite = allFinite(state);
@@ -293,7 +294,19 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
     system.computeFastForces(predicted_, forces_);
-    if (s + 1 == report.substeps) fast_forces_ = forces_;
+    const bool is_last = s + 1 == report.substeps;
+    if (is_last) fast_forces_ = forces_;
+    SolveReport reached;
+    reached.breakStretched(system, predicted_);
+    if (reached.has_broken) {
+      // Forces until here and from here on: what breaks between the halves of a kick makes no energy.
+      Points forces;
+      system.computeFastForces(predicted_, forces);
+      if (is_last) fast_forces_ = forces;
+      for (Index i = 0; !is_last && i < n; ++i) forces_[i] = 0.5 * (forces_[i] + forces[i]);
+      report.has_broken = true;
+      report.released += reached.released;
+    }
     addLoads(system, time + (s + 1) * dt, predicted_);
     system.remember(time + (s + 1) * dt, dt, predicted_);
     if (ends) {

@@ -65,11 +65,29 @@ void OrientedVerlet::evaluate(const System& system, double time, const State& st
   } else {
     system.computeElasticForcesAndTorques(state, forces_, torques_);
   }
+  SolveReport reached;
+  if (when != When::kBegin) reached.breakStretched(system, state);
   if (when == When::kEnd) {
     elastic_forces_ = forces_;
     elastic_torques_ = torques_;
     last_positions_ = state.positions;
     last_orientations_ = state.orientations;
+  }
+  if (reached.has_broken) {
+    // Forces until here and from here on: what breaks between the halves of a kick makes no energy.
+    Points forces, torques;
+    system.computeElasticForcesAndTorques(state, forces, torques);
+    if (when == When::kEnd) {
+      elastic_forces_ = forces;
+      elastic_torques_ = torques;
+    } else {
+      for (Index i = 0; i < state.size(); ++i) {
+        forces_[i] = 0.5 * (forces_[i] + forces[i]);
+        torques_[i] = 0.5 * (torques_[i] + torques[i]);
+      }
+    }
+    report.has_broken = true;
+    report.released += reached.released;
   }
   system.addLoads(time, state, forces_);
   system.holdTurns(torques_);

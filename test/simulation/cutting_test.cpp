@@ -3,6 +3,7 @@
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/expectations.h"
 #include "deformable_surface/tool/blade.h"
 
@@ -241,6 +242,66 @@ TEST(Tearing, BeginsBeyondTheStrainAndNotBefore) {
     run(s, 1);
     EXPECT_EQ(stretchLinksOf(s.model()).size() < links, strain > 0.1) << strain;
   }
+}
+
+/// A sheet of 0.3 m, held along an edge. A hand jerks at the other one with 2 m/s.
+simulation::SceneParams jerkedSheet(solve::IntegratorType type, double step) {
+  simulation::SceneParams p;
+  p.cloud.shape = simulation::CloudParams::Shape::kSheet;
+  p.cloud.points = 400;
+  p.cloud.size = Vec2(0.3, 0.3);
+  p.cloud.jitter = 0.2;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.material.young_modulus = 2e4;
+  p.material.thickness = 0.003;
+  p.material.damping = 1.0;
+  p.mass_spring.tear_strain = 0.4;
+  p.gravity.setZero();
+  p.integrator.type = type;
+  p.integrator.time_step = step;
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-1.0, -1.0, -1.0);
+  pin.region.max = Vec3(-0.12, 1.0, 1.0);
+  p.pins = {pin};
+  tool::ToolParams hand;
+  hand.id = "hand";
+  hand.mode = tool::Mode::kMove;
+  hand.shape.kind = geometry::Solid::Kind::kBox;
+  hand.shape.size = Vec3(0.06, 1.0, 0.1);
+  hand.path = {{0.0, Vec3(0.15, 0.0, 0.0)}, {0.3, Vec3(0.75, 0.0, 0.0)}};
+  p.tools = {hand};
+  return p;
+}
+
+/// Links that tear within 0.05 s.
+double countTorn(const simulation::SceneParams& p) {
+  simulation::Simulation s(p, io::makeShape(p.cloud));
+  const double links = static_cast<double>(stretchLinksOf(s.model()).size());
+  run(s, static_cast<int>(std::lround(0.05 / p.integrator.time_step)));
+  return links - static_cast<double>(stretchLinksOf(s.model()).size());
+}
+
+TEST(Tearing, ASheetThatIsJerkedTearsAsFarWithStepsOfAnyLength) {
+  for (const solve::IntegratorType type : {solve::IntegratorType::kVerlet, solve::IntegratorType::kImplicit}) {
+    const double torn = countTorn(jerkedSheet(type, 0.00125));
+    EXPECT_GT(torn, 5.0);
+    for (const double step : {0.005, 0.01}) EXPECT_NEAR(countTorn(jerkedSheet(type, step)), torn, 2.0) << step;
+  }
+}
+
+// Half a period of its longest wave after it was stretched the sheet is compressed.
+TEST(Tearing, LinksTearThatAreTooLongInTheMiddleOfAStep) {
+  simulation::SceneParams p = jerkedSheet(solve::IntegratorType::kVerlet, 0.06);
+  p.tools.clear();
+  p.pins.clear();
+  p.material.damping = 0.0;
+  simulation::Simulation s(p, io::makeShape(p.cloud));
+  const std::size_t links = stretchLinksOf(s.model()).size();
+  model::State state = s.state();
+  for (Index i = 0; i < state.size(); ++i) state.velocities[i].x() = 50.0 * state.positions[i].x();
+  s.setState(state);
+  run(s, 1);
+  EXPECT_LT(stretchLinksOf(s.model()).size(), links);
 }
 
 TEST(Tearing, WithoutALimitNothingIsCutHoweverFarItIsPulled) {

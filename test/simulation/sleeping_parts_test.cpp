@@ -75,6 +75,31 @@ TEST(SleepingParts, ALoadedSurfaceDoesNotBeginAsleepHoweverSmallTheLoad) {
   }
 }
 
+TEST(SleepingParts, WhatIsAwakeTearsAsInASurfaceThatNeverSleeps) {
+  for (const double step : {2e-3, 1e-2}) {
+    SceneParams p = pokedSheet();
+    p.forces[0] = {"pull", Vec3(0.85, 0.35, 0.0), Vec3(0.05, 0.0, 0.0), 0.04, 0.01, 0.03};
+    p.mass_spring.tear_strain = 0.03;
+    p.integrator.time_step = step;
+    Simulation s(p, finePatch());
+    p.sleep.mode = Sleep::kNever;
+    Simulation never(p, finePatch());
+    const std::size_t links = stretchLinksOf(s.model()).size();
+    run(s, 1);
+    EXPECT_EQ(s.statistics().awake, 0u);
+    run(never, 1);
+    bool was_partly_awake = false;
+    for (double time = step; time < 0.06; time += step) {
+      if (stretchLinksOf(s.model()).size() == links) was_partly_awake = was_partly_awake || isPartlyAwake(s);
+      run(s, 1);
+      run(never, 1);
+    }
+    EXPECT_TRUE(was_partly_awake || step > 5e-3);
+    EXPECT_LT(stretchLinksOf(s.model()).size(), links);
+    EXPECT_EQ(stretchLinksOf(s.model()), stretchLinksOf(never.model())) << step;
+  }
+}
+
 TEST(SleepingParts, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
   SceneParams p = pokedSheet();
   Simulation s(p, finePatch());

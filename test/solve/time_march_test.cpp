@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
+#include <limits>
 
 namespace deformable_surface::test {
 namespace {
@@ -300,6 +302,91 @@ TEST(TimeMarch, KnowsTheForcesOfTheStateThatItsStepEndedWithToTheBit) {
   march.computeForcesOnAll(0.0, state, known);
   system.computeForcesOnAll(0.0, state, found);
   EXPECT_EQ(known, found);
+}
+
+/// A spring to the origin that breaks when the point is farther from it than 0.3 m.
+class Breakable : public Oscillators, public solve::Breaking {
+ public:
+  Breakable() : Oscillators({100.0}, 1.0) {}
+  void addForces(const State& s, Points& forces) const override {
+    if (is_whole) Oscillators::addForces(s, forces);
+  }
+  double elasticEnergy(const State& s) const override { return is_whole ? Oscillators::elasticEnergy(s) : 0.0; }
+
+  bool isAnyStretched(const model::DeformableModel&, const State& s) const override {
+    return is_whole && s.positions[0].norm() > 0.3;
+  }
+  std::optional<double> breakStretched(const State& s) override {
+    if (!isAnyStretched(*this, s)) return {};
+    const double energy = elasticEnergy(s);
+    is_whole = false;
+    if (interrupt) *interrupt = true;
+    // A step whose energy is not a number is tried again.
+    return num_failures-- > 0 ? std::numeric_limits<double>::quiet_NaN() : energy;
+  }
+  void takeBack() override {
+    is_whole = true;
+    ++num_taken_back;
+  }
+
+  bool is_whole = true;
+  int num_failures = 0, num_taken_back = 0;
+  std::atomic<bool>* interrupt = nullptr;
+};
+
+/// The point flies away from the origin with 5 m/s.
+struct BreakableMarch {
+  BreakableMarch(double step, solve::IntegratorType type) : system(model, loads, held, 0.0), march(system, model, params) {
+    system.setBreaking(&model);
+    params.time_step = step;
+    params.type = type;
+    march.setFineness(static_cast<Index>(std::lround(step / 1e-3)));  // in a sub-step it moves by 5 mm
+  }
+
+  Breakable model;
+  std::vector<const solve::ExternalLoad*> loads;
+  std::vector<char> held{0};
+  solve::System system;
+  solve::IntegratorParams params;
+  solve::TimeMarch march;
+  State state{{Vec3::Zero()}, {Vec3(5.0, 0.0, 0.0)}};
+};
+
+// It goes on with what speed is left: v^2 = 5^2 - 10^2 0.3^2, after x = 0.5 sin 10 t has come to 0.3.
+TEST(TimeMarch, WhatIsStretchedTooFarBreaksWithinTheStep) {
+  const double speed = 4.0, at = std::asin(0.6) / 10.0, end = 0.2;
+  for (const solve::IntegratorType type :
+       {solve::IntegratorType::kVerlet, solve::IntegratorType::kSymplecticEuler, solve::IntegratorType::kImplicit})
+    for (const double step : {0.2, 0.1, 0.01}) {
+      BreakableMarch m(step, type);
+      for (int k = 0; k < std::lround(end / step); ++k) ASSERT_TRUE(m.march.step(k * step, m.state).ok) << step;
+      EXPECT_FALSE(m.model.is_whole);
+      EXPECT_NEAR(m.state.velocities[0].x(), speed, 0.03 * speed) << step;
+      EXPECT_NEAR(m.state.positions[0].x(), 0.3 + speed * (end - at), 0.01) << step;
+    }
+}
+
+TEST(TimeMarch, WhatBreaksInAStepThatIsTriedAgainIsWholeAgain) {
+  for (const solve::IntegratorType type : {solve::IntegratorType::kVerlet, solve::IntegratorType::kImplicit}) {
+    BreakableMarch once(0.1, type), again(0.1, type);
+    again.model.num_failures = 1;
+    ASSERT_TRUE(once.march.step(0.0, once.state).ok);
+    const solve::TimeMarch::Outcome taken = again.march.step(0.0, again.state);
+    ASSERT_TRUE(taken.ok);
+    EXPECT_GT(again.model.num_taken_back, once.model.num_taken_back);
+    EXPECT_FALSE(again.model.is_whole);
+    EXPECT_NEAR(again.state.positions[0].x(), once.state.positions[0].x(), 0.01);
+  }
+}
+
+TEST(TimeMarch, WhatBreaksInAStepThatIsInterruptedIsWholeAgain) {
+  std::atomic<bool> interrupt(false);
+  BreakableMarch m(0.1, solve::IntegratorType::kVerlet);
+  m.model.interrupt = &interrupt;
+  m.march.setInterrupt(&interrupt);
+  EXPECT_FALSE(m.march.step(0.0, m.state).ok);
+  EXPECT_TRUE(m.model.is_whole);
+  EXPECT_EQ(m.state.positions[0], Vec3::Zero());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/model/oriented_particles/growth_params.h"
 #include "deformable_surface/simulation/particle_edit.h"
+#include "deformable_surface/solve/breaking.h"
 #include "deformable_surface/tool/blade.h"
 #include "deformable_surface/tool/tool.h"
 
@@ -68,6 +69,8 @@ class Evolution {
   virtual void hold(model::State& /*state*/, std::vector<char>& /*held*/, std::vector<char>& /*held_turns*/) const {}
   /// Before the points move.
   virtual void beginStep(double /*time*/, const std::vector<tool::ToolParams>& /*tools*/, const Points& /*positions*/) {}
+  /// What breaks within the step, from beginStep() on; null: nothing.
+  virtual solve::Breaking* breaking() { return nullptr; }
   struct AfterStep {
     bool has_cut = false, has_flowed = false;
     bool leaves_copies = false;  // points have changed in another way that copies of fewer points do not follow

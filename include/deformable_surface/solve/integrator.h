@@ -26,6 +26,15 @@ struct SolveReport {
   // points without orientation, of implicit steps, and of static steps that move them in parts, else unknown.
   std::optional<double> carrying_work;
   double time_forces = 0.0;  // s of wall time in force evaluations
+
+  /// Breaks what is stretched too far in a state that a sub-step has reached.
+  void breakStretched(const System& system, const State& state) {
+    const std::optional<double> lost = system.breaking() ? system.breaking()->breakStretched(state) : std::nullopt;
+    has_broken = has_broken || lost;
+    released += lost.value_or(0.0);
+  }
+  bool has_broken = false;
+  double released = 0.0;  // J, elastic energy that went with what broke
 };
 
 /// Belongs to one system: what it keeps between steps (forces, the pattern of a matrix) is of that system.

@@ -2,6 +2,7 @@
 // concrete model, tool or scene.
 #pragma once
 
+#include "deformable_surface/solve/breaking.h"
 #include "deformable_surface/solve/external_load.h"
 #include "deformable_surface/solve/motion_limit.h"
 
@@ -36,6 +37,10 @@ class System {
   /// Integrators shorten their steps by this limit from now on. Null, as at first: no limit. Kept by reference.
   void setMotionLimit(const MotionLimit* limit) { motion_limit_ = limit; }
   const MotionLimit* motionLimit() const { return motion_limit_; }
+  /// Elements break by it from now on, within steps of Verlet, symplectic Euler and the implicit method. Null, as at first: none
+  /// do. Kept by reference.
+  void setBreaking(Breaking* breaking) { breaking_ = breaking; }
+  Breaking* breaking() const { return breaking_; }
   /// True if anything but the damping by mass may dissipate energy: the material's viscosity, loads without a potential.
   bool dissipatesInForces() const;
   /// The same, damping by mass included.
@@ -173,6 +178,7 @@ class System {
   const std::vector<char>* held_turns_;
   double damping_;
   const MotionLimit* motion_limit_ = nullptr;
+  Breaking* breaking_ = nullptr;
   mutable State at_rest_;  // scratch: the positions with velocities of zero
   mutable State placed_;   // scratch: before a step, with held points where they are after it
   mutable Points forces_, loads_alone_, forces_on_all_;

@@ -100,6 +100,9 @@ class TimeMarch {
   SolveReport advance(double time, double share, State& state);
   SolveReport advancePart(double time, double part, double share, State& state);
   SolveReport advanceImplicitly(double time, Index parts, State& state);
+  SolveReport takeImplicitParts(double time, Index parts, State& state);
+  void followBreaks(const SolveReport& report);
+  void takeBreaksBack();
   void goBack(double time, State& state);
   bool estimatesStableStep() const;
   void watchResonance();
@@ -128,6 +131,7 @@ class TimeMarch {
   // Scratch.
   State before_, portion_start_;
   double max_substep_before_ = 0.0;
+  bool has_broken_ = false;        // something, in the step
   bool has_less_stretch_ = false;  // than when the stable step was estimated
   Index most_inner_ = 1;           // sub-steps in which slow forces may act once
   bool is_too_stiff_ = false;      // for auto: more sub-steps than max_substeps

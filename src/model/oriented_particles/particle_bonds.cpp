@@ -1,4 +1,5 @@
 // Which particles bind each other: kept bonds, layers, strangers, and cuts.
+#include "deformable_surface/base/parallel.h"
 #include "particle_loops.h"
 
 #include <algorithm>
@@ -11,7 +12,8 @@ namespace {
 
 using particles::normalOf;
 
-constexpr double kKeptSkin = 0.6;  // of the distance r0, with kept bonds, where few of those listed cost anything
+constexpr Index kBondBlock = 2048;  // some microseconds of work
+constexpr double kKeptSkin = 0.6;   // of the distance r0, with kept bonds, where few of those listed cost anything
 
 }  // namespace
 
@@ -69,10 +71,29 @@ ParticleCuts::Pairs OrientedParticles::findCrossed(const State& state,
   return pairs;
 }
 
+// Of a kept bond, times its length at rest.
+double OrientedParticles::mostStretch() const { return params_.tear_strain > 0.0 ? 1.0 + params_.tear_strain : params_.cutoff; }
+
+bool OrientedParticles::isAnyStretched(const State& state) const {
+  if (!kept_) return false;
+  if (!has_bonds_) bonds_.update(*kept_, state.traits, cuts_);
+  const std::vector<KeptBonds::Bond>& bonds = bonds_.bonds();
+  const double most = mostStretch();
+  return parallelMax(static_cast<Index>(bonds.size()), kBondBlock, [&](Index begin, Index end) {
+           double beyond = 0.0;
+           for (Index k = begin; k < end; ++k) {
+             const KeptBonds::Bond& bond = bonds[k];
+             beyond = std::max(beyond, (state.positions[bond.j] - state.positions[bond.i]).squaredNorm() -
+                                           most * most * bond.length * bond.length);
+           }
+           return beyond;
+         }) > 0.0;
+}
+
 ParticleCuts::Pairs OrientedParticles::findBroken(const State& state) const {
   ParticleCuts::Pairs pairs;
   if (!kept_ || !prepare(state)) return pairs;
-  const double most = params_.tear_strain > 0.0 ? 1.0 + params_.tear_strain : params_.cutoff;
+  const double most = mostStretch();
   for (const KeptBonds::Bond& bond : bonds_.bonds()) {
     const ParticleTraits &i = state.traits[bond.i], &j = state.traits[bond.j];
     const bool is_molten = std::max(i.temperature, j.temperature) >= params_.melting;
@@ -99,6 +120,7 @@ void OrientedParticles::setCuts(const ParticleCuts& cuts) {
   if (cuts_.isSameAs(cuts)) return;
   cuts_ = cuts;
   has_bonds_ = false;
+  if (kept_) return;  // lists do not know of cut bonds
   lists_.forget();
   partners_.forget();
 }

@@ -56,6 +56,8 @@ class OrientedParticles : public DeformableModel,
   /// which their masses come. From now on no other particles bind each other.
   void keepBonds(const State& state, const std::vector<WeightedTriangle>& triangles, std::vector<double> areas);
   bool hasKeptBonds() const { return kept_ != nullptr; }
+  /// Whether a kept bond is longer than bonds can be. Parallel.
+  bool isAnyStretched(const State& state) const;
   /// The kept bonds (ids) that are longer than bonds can be or have melted in this state.
   ParticleCuts::Pairs findBroken(const State& state) const;
   /// The kept bonds (ids) for which isCrossed(i, j) holds, i and j the numbers of present particles.
@@ -136,6 +138,7 @@ class OrientedParticles : public DeformableModel,
   bool prepare(const State& state) const;
   ApartPotential apartPotential() const;
   double areaOf(const ParticleTraits& traits) const;
+  double mostStretch() const;
   void listStrangers() const;
   template <class Take>
   void forEachStranger(Index i, const Take& take) const;

@@ -11,6 +11,13 @@ namespace {
 
 constexpr Index kBlock = 8;  // links between two checks of the interrupt: milliseconds for a knife that lies along all of them
 
+constexpr Index kTearBlock = 2048;  // links in a task: some microseconds of work
+
+bool isTooLong(const Cutting::Link& link, double rest, double tear_strain, const Points& positions) {
+  const double most = (1.0 + tear_strain) * rest;
+  return (positions[link.second] - positions[link.first]).squaredNorm() > most * most;
+}
+
 bool isKnife(const tool::ToolParams& tool, double time) { return tool.mode == tool::Mode::kCut && tool::isActive(tool, time); }
 
 }  // namespace
@@ -48,6 +55,7 @@ void Cutting::beginStep(double time, const std::vector<tool::ToolParams>& tools,
   const bool has_knife =
       std::any_of(tools.begin(), tools.end(), [&](const tool::ToolParams& tool) { return isKnife(tool, time); });
   if (has_knife) before_ = positions;
+  begun_with_ = cuts_;
   may_cut_ = has_knife || tear_strain_ > 0.0;
 }
 
@@ -61,7 +69,7 @@ Evolution::AfterStep Cutting::endStep(double time, double step, const std::vecto
 bool Cutting::cutLinks(double time, double step, const std::vector<tool::ToolParams>& tools, const Points& positions,
                        CutFollower* follower) {
   found_.clear();
-  if (model_.stretchLinks().empty() && model_.bendLinks().empty()) return false;
+  if (cuts_ == begun_with_ && model_.stretchLinks().empty() && model_.bendLinks().empty()) return false;
   bool has_parted = false;
   for (const tool::ToolParams& tool : tools) {
     if (!isKnife(tool, time)) continue;
@@ -73,13 +81,8 @@ bool Cutting::cutLinks(double time, double step, const std::vector<tool::ToolPar
     has_parted = (follower && follower->sever(blade, before_, positions)) || has_parted;
   }
   if (tear_strain_ > 0.0) tear(positions);
-  const bool has_cut = !found_.empty();
-  if (has_cut) {
-    found_.insert(found_.end(), model_.cuts().begin(), model_.cuts().end());
-    std::sort(found_.begin(), found_.end());
-    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
-    setCuts(found_);
-  }
+  if (!found_.empty()) cutFound();
+  const bool has_cut = cuts_ != begun_with_;
   if (follower && (has_cut || has_parted)) follower->followLinks(model_.stretchLinks());
   return has_cut;
 }
@@ -96,12 +99,37 @@ void Cutting::cut(const tool::BladeSweep& blade, const Points& positions, const 
     if (is_cut_[l]) found_.push_back(links[l]);
 }
 
+void Cutting::cutFound() {
+  found_.insert(found_.end(), model_.cuts().begin(), model_.cuts().end());
+  std::sort(found_.begin(), found_.end());
+  found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+  setCuts(found_);
+}
+
 void Cutting::tear(const Points& positions) {
   const std::vector<Link>& links = model_.stretchLinks();
   const std::vector<double>& lengths = model_.stretchingSprings().restLengths();
   for (std::size_t s = 0; s < links.size(); ++s)
-    if ((positions[links[s].second] - positions[links[s].first]).norm() > (1.0 + tear_strain_) * lengths[s])
-      found_.push_back(links[s]);
+    if (isTooLong(links[s], lengths[s], tear_strain_, positions)) found_.push_back(links[s]);
+}
+
+bool Cutting::isAnyStretched(const model::DeformableModel& model, const model::State& state) const {
+  const model::Springs& springs = static_cast<const model::MassSpring&>(model).stretchingSprings();
+  const std::vector<Link>& links = springs.links();
+  return parallelMax(static_cast<Index>(links.size()), kTearBlock, [&](Index begin, Index end) {
+           for (Index s = begin; s < end; ++s)
+             if (isTooLong(links[s], springs.restLengths()[s], tear_strain_, state.positions)) return 1.0;
+           return 0.0;
+         }) > 0.0;
+}
+
+std::optional<double> Cutting::breakStretched(const model::State& state) {
+  if (!isAnyStretched(model_, state)) return {};
+  const double before = model_.elasticEnergy(state);
+  found_.clear();
+  tear(state.positions);
+  cutFound();
+  return before - model_.elasticEnergy(state);
 }
 
 }  // namespace deformable_surface::simulation

@@ -166,19 +166,30 @@ void ParticleLife::setMemory(const std::shared_ptr<const Memory>& saved) {
 bool ParticleLife::isPushedBy(const ToolParams& tool) const { return tool.mode != Mode::kCut || isHotKnife(tool); }
 
 void ParticleLife::beginStep(double time, const std::vector<ToolParams>& tools, const Points& positions) {
+  begun_with_ = model_.cuts();
   before_.clear();
   if (std::any_of(tools.begin(), tools.end(), [&](const ToolParams& tool) { return isKnife(tool, time); })) before_ = positions;
+}
+
+bool ParticleLife::isAnyStretched(const model::DeformableModel& model, const State& state) const {
+  return static_cast<const model::OrientedParticles&>(model).isAnyStretched(state);
+}
+
+std::optional<double> ParticleLife::breakStretched(const State& state) {
+  if (!model_.isAnyStretched(state)) return {};
+  const double before = model_.elasticEnergy(state);
+  model_.setCuts(model_.cuts().sever(model_.findBroken(state)));
+  return before - model_.elasticEnergy(state);
 }
 
 Evolution::AfterStep ParticleLife::endStep(double time, double step, const std::vector<ToolParams>& tools, State& state,
                                            CutFollower*) {
   AfterStep after;
-  const model::ParticleCuts before = model_.cuts();
   if (model_.hasKeptBonds())
-    model_.setCuts(before.sever(model_.findBroken(state)));
+    model_.setCuts(model_.cuts().sever(model_.findBroken(state)));  // those that have melted, too
   else
     model_.setCuts(model_.followCuts(state));
-  after.has_flowed = !model_.cuts().isSameAs(before);
+  after.has_flowed = !model_.cuts().isSameAs(begun_with_);
   after.leaves_copies = after.has_flowed || is_hot_;
   after.has_cut = !before_.empty() && cut(time, step, tools, state);
   return after;

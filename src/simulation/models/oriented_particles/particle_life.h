@@ -9,7 +9,7 @@
 
 namespace deformable_surface::simulation {
 
-class ParticleLife : public Evolution {
+class ParticleLife : public Evolution, public solve::Breaking {
  public:
   /// All are kept by reference. creased (n): particles of the beginning that are not smooth.
   ParticleLife(model::OrientedParticles& model, const std::vector<char>& creased, const SceneParams& scene)
@@ -21,6 +21,11 @@ class ParticleLife : public Evolution {
   /// what is born closes a gap between its parents, so that such pieces have come loose, and growth would only feed them.
   Change beforeStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) override;
   void beginStep(double time, const std::vector<tool::ToolParams>& tools, const Points& positions) override;
+  /// Kept bonds break within the step.
+  solve::Breaking* breaking() override { return model_.hasKeptBonds() ? this : nullptr; }
+  bool isAnyStretched(const model::DeformableModel& model, const model::State& state) const override;
+  std::optional<double> breakStretched(const model::State& state) override;
+  void takeBack() override { model_.setCuts(begun_with_); }
   /// Knives cut what they went through, and the cuts follow the particles.
   AfterStep endStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state,
                     CutFollower* follower) override;
@@ -70,6 +75,7 @@ class ParticleLife : public Evolution {
   bool is_hot_ = false;  // some particles are above the ambient temperature, or have flowed, before the last step
   mutable std::shared_ptr<const Kept> kept_;  // that was given out last
   Points before_;                             // m, when a step with a knife began last
+  model::ParticleCuts begun_with_;            // when the last step began
   mutable bool has_reported_debris_ = false, has_reported_heap_ = false;
   bool has_arrived_ = false;                    // at the iso-surface, or where it hardly moves
   mutable std::vector<char> is_gone_, inside_;  // scratch
