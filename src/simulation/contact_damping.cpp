@@ -44,6 +44,15 @@ double ContactDamping::estimateWork(double from, double to, const model::State&,
   return work;
 }
 
+double ContactDamping::drivingPower(double time, double, const model::State& state) const {
+  double power = 0.0;
+  const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, time); };
+  contact_.forEachDampedTouch(time, state, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+    power += findForce(motion, state, touch).dot(motion.velocityAt(touch.position));
+  });
+  return power;
+}
+
 // Where the force equals that of the spring it has the spring's stiffness, on the way in, or cancels it, on the way out.
 void ContactDamping::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;

@@ -44,6 +44,7 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
 
 constexpr double kAhead = 30.0;    // time over 1 / rate, in which a portion of sub-steps passes (solve/time_march.cpp)
 constexpr double kDeeper = 0.01;   // of the radius of a cell: less is not deeper
+constexpr double kInstant = 1e-3;  // of a step: over which a potential is taken to be quadratic in time
 constexpr double kSettled = 0.01;  // of the largest growth: smaller changes need no new equilibrium
 
 bool isBelow(const ContactLoad::Pressed& a, Index point) { return a.point < point; }
@@ -348,6 +349,12 @@ double ContactLoad::potential(double time, const model::State& state) const {
   double sum = 0.0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) sum += potentialOf(b, time, state);
   return sum;
+}
+
+// By a difference backward in time, of second order: paths may bend where a step ends.
+double ContactLoad::drivingPower(double time, double step, const model::State& state) const {
+  const double d = kInstant * step, now = potential(time, state);
+  return (3.0 * now - 4.0 * potential(time - d, state) + potential(time - 2.0 * d, state)) / (2.0 * d);
 }
 
 double ContactLoad::storedEnergy(double time, const model::State& state) const {

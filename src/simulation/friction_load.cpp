@@ -85,6 +85,14 @@ double FrictionLoad::estimateWork(double from, double to, const model::State& be
   return work;
 }
 
+double FrictionLoad::drivingPower(double time, double, const model::State& state) const {
+  double power = 0.0;
+  forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
+    power += rub.force().dot(body.motion.velocityAt(touch.position));
+  });
+  return power;
+}
+
 void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
   forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch& touch, const Rub& rub) {

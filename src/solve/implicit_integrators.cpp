@@ -71,6 +71,21 @@ constexpr int kStuck = 3;           // iterations in a row that were shortened a
 constexpr double kTooMuch = 1e-6;   // of the kinetic energy: far above rounding
 constexpr double kRounding = 1e-9;  // of the energies of a step: as much is left by rounding and by the search for a balance
 
+// What loads put in during a step. What those without a potential do relative to the tools that drive them only takes energy, but
+// for springs of friction: it counts where it gives some.
+class EnergyBudget {
+ public:
+  /// time: s, for which a stage counts; without_potential: J, the work of loads without a potential on the points in this time.
+  void add(double time, const System::DrivingPower& power, double without_potential) {
+    driven_ += time * (power.of_potentials + power.of_others);
+    relative_ += without_potential - time * power.of_others;
+  }
+  double most() const { return driven_ + std::max(0.0, relative_); }  // J
+
+ private:
+  double driven_ = 0.0, relative_ = 0.0;
+};
+
 bool isAnyHeld(const System& system) {
   for (Index i = 0; i < system.size(); ++i)
     if (system.isHeld(i)) return true;
@@ -167,12 +182,6 @@ bool EnergyLimit::apply(const System& system, double time, double step, double l
                         State& state) {
   double energy = system.kineticEnergy(state) - limit;
   if (!(energy > 0.0)) return true;
-  // The limit takes loads as moved before the points. Loads that points come to meet do as much work as if moved after them.
-  const auto workOfLoads = [&](const State& at) {
-    return system.loadPotential(time + step, at) - system.loadPotential(time, at);
-  };
-  energy -= std::max(0.0, workOfLoads(state) - workOfLoads(before));
-  if (!(energy > 0.0)) return true;
   const bool is_any_held = isAnyHeld(system);
   bearing_.begin(system);
   bearing_.addChanged(system, time, step, before, state);
@@ -185,12 +194,15 @@ bool EnergyLimit::apply(const System& system, double time, double step, double l
 SolveReport ImplicitStage::takeEulerStep(const System& system, double time, double step, const State& before, State& state) {
   SolveReport report;
   report.substeps = 1;
-  const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
+  const double kinetic = system.kineticEnergy(state), begin = system.potentialEnergy(time, state) + kinetic;
+  const double energy = system.potentialEnergy(time + step, state) + kinetic;
   solve(system, time + step, step, before.positions, before.velocities, energy, state, report);
   report.carrying_work = system.workAgainst(time + step, state, before.positions, state.positions);
+  EnergyBudget budget;
+  budget.add(step, system.drivingPower(time + step, step, state), remainderWork(state));
   const double potential = system.potentialEnergy(time + step, state);
   const double allowed =
-      energy + std::max(0.0, remainderWork(state)) + *report.carrying_work + kRounding * (std::abs(energy) + std::abs(potential));
+      begin + budget.most() + *report.carrying_work + kRounding * (std::abs(begin) + std::abs(potential) + kinetic);
   energy_limit_.apply(system, time, step, allowed - potential, true, before, state);
   system.remember(time + step, step, state);
   report.finite = allFinite(state.positions);
@@ -205,11 +217,13 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   report.substeps = 1;
   before_ = state;
   stage_.setInterrupt(interrupt_);
-  const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
+  const double kinetic = system.kineticEnergy(state), begin = system.potentialEnergy(time, state) + kinetic;
+  const double energy = system.potentialEnergy(time + step, state) + kinetic;
   const Index n = state.size();
 
   stage_.solve(system, time + part, part, before_.positions, before_.velocities, energy, state, report);
-  double work = rest / part * stage_.remainderWork(state);
+  EnergyBudget budget;
+  budget.add(rest, system.drivingPower(time + part, part, state), rest / part * stage_.remainderWork(state));
   // The start of the second stage: the first one's velocity and acceleration over the rest of the step.
   from_ = before_.positions;
   velocity_ = before_.velocities;
@@ -221,11 +235,11 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   // The work of what moves held points, by the weights of the method.
   report.carrying_work = system.workAgainst(time + part, state, before_.positions, from_);
   stage_.solve(system, time + step, part, from_, velocity_, energy, state, report);
-  work += stage_.remainderWork(state);
+  budget.add(part, system.drivingPower(time + step, part, state), stage_.remainderWork(state));
   *report.carrying_work += system.workAgainst(time + step, state, from_, state.positions);
   const double potential = system.potentialEnergy(time + step, state);
   const double allowed =
-      energy + std::max(0.0, work) + *report.carrying_work + kRounding * (std::abs(energy) + std::abs(potential));
+      begin + budget.most() + *report.carrying_work + kRounding * (std::abs(begin) + std::abs(potential) + kinetic);
   report.finite = allFinite(state.positions);
   if (report.finite && potential <= allowed &&
       energy_limit_.apply(system, time, step, allowed - potential, false, before_, state)) {

@@ -11,10 +11,9 @@ namespace deformable_surface::solve {
 /// Removes kinetic energy above a limit from the motion after an implicit step.
 class EnergyLimit {
  public:
-  /// time: s, at the beginning of the step; limit: J, too strict where loads move and points come to meet them, which is made up
-  /// for. Takes the rest from the parts that meet others (BearingParts), so that the others keep their motion. If these have too
-  /// little: takes it from all if forced, and returns false if not. Momentum is kept where
-  /// no point is held; false if that of a free body has more.
+  /// time: s, at the beginning of the step; limit: J. Takes what is above it from the parts that meet others (BearingParts), so
+  /// that the others keep their motion. If these have too little: takes it from all if forced, and returns false if not.
+  /// Momentum is kept where no point is held; false if that of a free body has more.
   bool apply(const System& system, double time, double step, double limit, bool is_forced, const State& before, State& state);
 
  private:
@@ -58,8 +57,8 @@ class ImplicitStage {
 /// Two implicit stages of the same length; the second ends the step. Second order, exact in free fall, stable at every step, and
 /// fast modes still decay [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above its former value plus
 /// the work of forces without a potential: a small excess is removed (EnergyLimit). Where that is not possible, implicit Euler
-/// takes the step. In impacts the second stage goes on with the force of the first, which can throw a body back faster than it
-/// came.
+/// takes the step. In impacts the second stage goes on with the force of the first, which would throw a body back faster than it
+/// came: such a step gains energy, as seen from what was hit, and implicit Euler takes it.
 class ImplicitSecondOrder : public Integrator {
  public:
   explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params) {}

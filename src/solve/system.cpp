@@ -117,6 +117,13 @@ double System::loadPotential(double time, const State& state) const {
   return energy;
 }
 
+System::DrivingPower System::drivingPower(double time, double step, const State& state) const {
+  DrivingPower power{0.0, 0.0};
+  for (const ExternalLoad* load : loads_)
+    (load->isConservative() ? power.of_potentials : power.of_others) += load->drivingPower(time, step, state);
+  return power;
+}
+
 double System::loadWork(double from, double to, const State& before, const State& after) const {
   double work = 0.0;
   for (const ExternalLoad* load : loads_) work += load->estimateWork(from, to, before, after);

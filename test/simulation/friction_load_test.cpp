@@ -276,5 +276,47 @@ TEST(FrictionLoad, AToolCarriesWhatLiesOnItAsItMoves) {
   EXPECT_NEAR(meanPlace(s) - before, 0.3, 2e-3);  // it starts and stops at once, and slips for a short time
 }
 
+// A sheet is thrown on a box with friction. The result must not depend on the frame in which box and sheet are described.
+TEST(FrictionLoad, ImplicitStepsOnACarriedToolAreThoseOnAToolAtRest) {
+  const double end = 0.3;
+  const auto throwSheet = [&](const Vec3& carried, double step) {
+    simulation::SceneParams p;
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+    p.accuracy.estimate = false;
+    p.contact.self = false;
+    p.sleep.mode = simulation::Sleep::kNever;
+    p.material.young_modulus = 1e5;
+    p.material.thickness = 1e-3;
+    p.material.density = 300.0;
+    p.integrator.type = Type::kImplicit;
+    p.integrator.time_step = step;
+    p.integrator.tolerance = 1e-9;
+    tool::ToolParams box = ball(0.05, Vec3(0.0, 0.0, -0.05), Vec3(0.0, 0.0, -0.05) + carried);
+    box.shape.kind = geometry::Solid::Kind::kBox;
+    box.shape.size = Vec3(0.5, 0.5, 0.1);
+    box.friction = 0.5;
+    p.tools = {box};
+    Points points = makeSheet(9, 9, 0.3, 0.3, 0.2).points;
+    for (Vec3& x : points) x += Vec3(-0.15, 0.0, 0.03);
+    simulation::Simulation s(p, asCloud(points));
+    model::State state = s.state();
+    for (Vec3& v : state.velocities) v = carried + Vec3(0.3, 0.0, -0.2);
+    s.setState(state);
+    for (int k = 0; k < std::lround(end / step); ++k) EXPECT_TRUE(s.step().ok);
+    Points places = s.state().positions;
+    for (Vec3& x : places) x -= end * carried;
+    return places;
+  };
+  for (const double step : {0.005, 0.02}) {
+    const Points resting = throwSheet(Vec3::Zero(), step);
+    for (const Vec3& carried : {Vec3(2.0, 0.0, 0.0), Vec3(-1.0, 1.0, 1.0)}) {
+      const Points places = throwSheet(carried, step);
+      double apart = 0.0;
+      for (std::size_t i = 0; i < places.size(); ++i) apart = std::max(apart, (places[i] - resting[i]).norm());
+      EXPECT_LT(apart, 1e-4) << step << " " << carried.transpose();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

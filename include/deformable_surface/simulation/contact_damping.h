@@ -26,6 +26,7 @@ class ContactDamping : public solve::ExternalLoad {
   void addForces(double time, const model::State& state, Points& forces) const override;
   /// Dissipative, except where a tool moves along n with speed V: its power is then at most c V^2 / 4.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
+  double drivingPower(double time, double step, const model::State& state) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
   void addIndefiniteStiffness(double time, const model::State& state, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,

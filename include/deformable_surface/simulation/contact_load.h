@@ -188,6 +188,7 @@ class ContactLoad : public solve::ExternalLoad {
   void addForces(double time, const model::State& state, Points& forces) const override;
   double potential(double time, const model::State& state) const override;
   bool isConservative() const override { return true; }
+  double drivingPower(double time, double step, const model::State& state) const override;
   double storedEnergy(double time, const model::State& state) const override;
   /// Work of moving tools: the gain of the potential at the points before or at those after, whichever is larger.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;

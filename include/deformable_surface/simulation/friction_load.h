@@ -23,6 +23,7 @@ class FrictionLoad : public solve::ExternalLoad {
   /// Dissipative, except where a tool's own motion drags points along, at most friction times the tool's path, and where springs
   /// return stored energy.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
+  double drivingPower(double time, double step, const model::State& state) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
   /// Updates the places to which points stick.
   void remember(double time, double step, model::State& state) const override;

@@ -84,6 +84,11 @@ class System {
   double energyScale() const { return model_.energyScale(); }
   /// The potential of the conservative loads alone, J.
   double loadPotential(double time, const State& state) const;
+  /// See ExternalLoad, of the loads with a potential and of the others, W.
+  struct DrivingPower {
+    double of_potentials, of_others;
+  };
+  DrivingPower drivingPower(double time, double step, const State& state) const;
   /// The part of it that is stored as in springs, J.
   double storedEnergy(double time, const State& state) const;
   /// The energy that loads put in between two times while the points move straight from one state to another, J (see
