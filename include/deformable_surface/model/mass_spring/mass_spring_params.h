@@ -58,7 +58,7 @@ inline void visit(Fields& fields, MassSpringParams& p) {
   fields.number("bending_spring_ratio", p.bending_spring_ratio, "", between(1e-9, 1e6),
                 "for `bending: springs`: stiffness of bending springs over that of stretching springs");
   fields.number("tear_strain", p.tear_strain, "", between(0.0, 1e6),
-                "links with l / l0 - 1 above this after a step are cut permanently; 0 = never");
+                "links with l / l0 - 1 above this after a sub-step are cut permanently; 0 = never");
   fields.require(!(p.tear_strain > 0.0) || p.volume_stiffness == 0.0, "tear_strain",
                  "found one beside a volume_stiffness, which a torn surface cannot have; accepted: one of them, the other 0");
 }
