@@ -71,19 +71,21 @@ constexpr int kStuck = 3;           // iterations in a row that were shortened a
 constexpr double kTooMuch = 1e-6;   // of the kinetic energy: far above rounding
 constexpr double kRounding = 1e-9;  // of the energies of a step: as much is left by rounding and by the search for a balance
 
-// What loads put in during a step. What those without a potential do relative to the tools that drive them only takes energy, but
-// for springs of friction: it counts where it gives some.
+// The energy that a step may gain: what loads put in, and what the tolerance of its balance lets pass. What loads without a
+// potential do relative to the tools that drive them only takes energy, but for springs of friction: it counts where it gives
+// some.
 class EnergyBudget {
  public:
-  /// time: s, for which a stage counts; without_potential: J, the work of loads without a potential on the points in this time.
-  void add(double time, const System::DrivingPower& power, double without_potential) {
+  /// time: s, for which a stage counts; step: s, its length.
+  void add(double time, double step, const System::DrivingPower& power, const ImplicitStage& stage, const State& state) {
     driven_ += time * (power.of_potentials + power.of_others);
-    relative_ += without_potential - time * power.of_others;
+    relative_ += time / step * stage.remainderWork(state) - time * power.of_others;
+    unbalanced_ += time / step * stage.unbalancedWork(state);
   }
-  double most() const { return driven_ + std::max(0.0, relative_); }  // J
+  double most() const { return driven_ + std::max(0.0, relative_) + std::max(0.0, unbalanced_); }  // J
 
  private:
-  double driven_ = 0.0, relative_ = 0.0;
+  double driven_ = 0.0, relative_ = 0.0, unbalanced_ = 0.0;
 };
 
 bool isAnyHeld(const System& system) {
@@ -131,7 +133,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
   system.computeRounding(time, state, rounding_);
-  const double enough = params_.tolerance * scale, untouched = std::min(params_.tolerance, kUntouched) * scale;
+  const double enough = enough_ = params_.tolerance * scale, untouched = std::min(params_.tolerance, kUntouched) * scale;
   NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, rounding_, enough};
   // The start of the search.
   guess_ = state.positions;
@@ -199,7 +201,7 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   solve(system, time + step, step, before.positions, before.velocities, energy, state, report);
   report.carrying_work = system.workAgainst(time + step, state, before.positions, state.positions);
   EnergyBudget budget;
-  budget.add(step, system.drivingPower(time + step, step, state), remainderWork(state));
+  budget.add(step, step, system.drivingPower(time + step, step, state), *this, state);
   const double potential = system.potentialEnergy(time + step, state);
   const double allowed =
       begin + budget.most() + *report.carrying_work + kRounding * (std::abs(begin) + std::abs(potential) + kinetic);
@@ -223,7 +225,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
 
   stage_.solve(system, time + part, part, before_.positions, before_.velocities, energy, state, report);
   EnergyBudget budget;
-  budget.add(rest, system.drivingPower(time + part, part, state), rest / part * stage_.remainderWork(state));
+  budget.add(rest, part, system.drivingPower(time + part, part, state), stage_, state);
   // The start of the second stage: the first one's velocity and acceleration over the rest of the step.
   from_ = before_.positions;
   velocity_ = before_.velocities;
@@ -235,7 +237,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   // The work of what moves held points, by the weights of the method.
   report.carrying_work = system.workAgainst(time + part, state, before_.positions, from_);
   stage_.solve(system, time + step, part, from_, velocity_, energy, state, report);
-  budget.add(part, system.drivingPower(time + step, part, state), stage_.remainderWork(state));
+  budget.add(part, part, system.drivingPower(time + step, part, state), stage_, state);
   *report.carrying_work += system.workAgainst(time + step, state, from_, state.positions);
   const double potential = system.potentialEnergy(time + step, state);
   const double allowed =

@@ -43,6 +43,8 @@ class ImplicitStage {
 
   /// Work of the forces without a potential from the last solve's `from` to its end, J.
   double remainderWork(const State& state) const { return newton_.remainderWork(from_, state); }
+  /// The same of what its tolerance left unbalanced, J.
+  double unbalancedWork(const State& state) const { return newton_.unbalancedWork(from_, state, enough_); }
 
  private:
   IntegratorParams params_;
@@ -52,6 +54,7 @@ class ImplicitStage {
   const std::atomic<bool>* interrupt_ = nullptr;
   Points from_, target_, guess_, begin_;
   std::vector<double> weight_, rounding_;
+  double enough_ = 0.0;  // N, the unbalanced force that the tolerance allows
 };
 
 /// Two implicit stages of the same length; the second ends the step. Second order, exact in free fall, stable at every step, and
@@ -102,6 +105,7 @@ class StaticSolver : public Integrator {
   Points begin_, end_;    // of the step
   Points anchor_, safe_;  // safe_: the last state with the lowest energy so far
   std::vector<double> weight_, rounding_;
+  double enough_ = 0.0;  // N, the unbalanced force that the tolerance allows
 };
 
 }  // namespace deformable_surface::solve

@@ -302,4 +302,11 @@ double NewtonDescent::remainderWork(const Points& before, const State& state) co
   return work;
 }
 
+double NewtonDescent::unbalancedWork(const Points& before, const State& state, double enough) const {
+  double work = 0.0;
+  for (Index i = 0; i < state.size(); ++i)
+    if (gradient_[i].norm() <= enough) work += gradient_[i].dot(state.positions[i] - before[i]);
+  return work;
+}
+
 }  // namespace deformable_surface::solve

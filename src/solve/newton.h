@@ -62,6 +62,9 @@ class NewtonDescent {
 
   /// Work of the forces without a potential, as the last evaluate() found them, from `before` (n x 3) to state, J.
   double remainderWork(const Points& before, const State& state) const;
+  /// Work of what the last evaluate() left unbalanced, from `before` (n x 3) to state, J: of the points on which it is at most
+  /// `enough` (N).
+  double unbalancedWork(const Points& before, const State& state, double enough) const;
 
  private:
   /// Phi up to a constant. The work of L since the last evaluate() uses its mean at both ends, which is exact for viscous
