@@ -193,7 +193,9 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       if (isPassed(t.corner[0]) || isPassed(t.corner[1]) || isPassed(t.corner[2])) continue;
       gone_through_ = body.tool.id;
       if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) break;
-      appendNotice(notice, "tool " + quote(body.tool.id) + " has gone through the surface between the points that touch tools");
+      appendNotice(notice,
+                   "tool " + quote(body.tool.id) +
+                       " has passed through the surface: it is narrower than the distance of the points that touch tools");
       reported_.push_back(body.tool.id);
       break;
     }

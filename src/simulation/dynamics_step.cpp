@@ -223,8 +223,8 @@ std::string Dynamics::describeCompliance() {
     add(loads_.contact.ownCompliance(), "with tools by up to ");
   if (loads_.self_contact) add(loads_.self_contact->contact.ownCompliance(), "between parts by up to ");
   if (where.empty()) return "";
-  return "contact.compliance is " + formatShort(stated) + " m/Pa, and contact yields " + where +
-         " without pads: where this is more, they have no effect";
+  return "contact.compliance is " + formatShort(stated) + " m/Pa, but contact without pads already yields " + where +
+         ": where this is more, pads have no effect";
 }
 
 // Reported once until the next reset.

@@ -267,7 +267,7 @@ std::string ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
     seen_.shadow_substeps += shadow_->lastSubsteps();
     seen_.twin_substeps += twin_->lastSubsteps();
   }
-  if (!shadow.ok || !twin.ok) return "a coarser copy could take no sound step";
+  if (!shadow.ok || !twin.ok) return "a step of a coarser copy failed";
   return shadow.leaves_copies || twin.leaves_copies ? "bonds of a coarser copy broke" : "";
 }
 
@@ -293,7 +293,7 @@ std::string ErrorEstimator::followTools(const Dynamics& level, double lasting) {
     const std::string& passed = level.loads().contact.goneThrough();
     if (seen_.has_unfelt || passed.empty()) return "";
     seen_.has_unfelt = true;
-    return "error_estimate is no bound until the next reset: tool " + quote(passed) + " has gone through the surface";
+    return "error_estimate is no bound until the next reset: tool " + quote(passed) + " has passed through the surface";
   }
   seen_.has_unfelt = true;
   return "error_estimate is no bound until the next reset: tool " + quote(unfelt->id) +

@@ -113,7 +113,7 @@ void takeHalf(const Vec3& eye, HalfFrame half, std::vector<Index>& kept, RestSur
 
   s.notes.push_back("every second pixel of every second row shows enough of the surface for so few simulation points: " +
                     count(static_cast<Index>(points.size()), "points") +
-                    (alone > 0 ? "; " + count(alone, "others are linked to none of them, and ride along with the nearest") : ""));
+                    (alone > 0 ? "; " + count(alone, "others are not linked to any of them and follow the nearest") : ""));
   s.notes.insert(s.notes.end(), half.surface.notes.begin(), half.surface.notes.end());
   s.warnings.insert(s.warnings.end(), half.surface.warnings.begin(), half.surface.warnings.end());
 }

@@ -29,7 +29,7 @@ std::string list(const std::vector<Jam::Actor>& actors) {
 
 std::string describeJam(const Jam& jam) {
   const std::string told =
-      "contact stopped " + count(jam.points, "points") + " short, one of them at " + formatPlace(jam.place) + " m, ";
+      "contact limited the motion of " + count(jam.points, "points, ") + "one of them at " + formatPlace(jam.place) + " m, ";
   if (jam.actors.empty())
     return told + "where no tool or pin is near, nor acts on the same part: parts meet by their own motion, or under other loads";
   if (jam.are_near) return told + "where " + list(jam.actors);

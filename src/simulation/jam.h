@@ -23,7 +23,7 @@ struct Jam {
   std::vector<Actor> actors;  // each once, tools that push first, then those that are near, then what holds
 };
 
-/// "contact stopped 12 points short, one of them at (0, 0, 0.1) m, where moving tool 'upper' pushes".
+/// "contact limited the motion of 12 points, one of them at (0, 0, 0.1) m, where moving tool 'upper' pushes".
 std::string describeJam(const Jam& jam);
 
 }  // namespace deformable_surface::simulation

@@ -51,9 +51,9 @@ std::string LastingNotices::describe(Lasting what, const Span& span) {
                             formatShort(span.begin) + " to " + formatShort(span.end) + " s";
   switch (what) {
     case Lasting::kStopped:
-      return "contact stopped points short in " + where + ", at most " + formatShort(span.largest) + " in a step";
-    case Lasting::kHalted: return "contact took all motion within the parts that it stopped in " + where;
-    case Lasting::kRetried: return "steps were taken again: " + where;
+      return "contact limited the motion of points in " + where + ", at most " + formatShort(span.largest) + " in a step";
+    case Lasting::kHalted: return "contact took all motion from the parts that it stopped in " + where;
+    case Lasting::kRetried: return "steps failed at first and were repeated: " + where;
     case Lasting::kUnbalanced:
       return "forces were left unbalanced in " + where + ", at most " + formatShort(span.largest) + " of the largest force";
   }

@@ -14,8 +14,8 @@ namespace deformable_surface::simulation {
 
 /// What can be so in many steps in a row.
 enum class Lasting {
-  kStopped,    // contact stopped points short
-  kHalted,     // contact took all motion within the parts that it stopped
+  kStopped,    // contact limited the motion of points
+  kHalted,     // contact took all motion from the parts that it stopped
   kRetried,    // steps were not sound at first, and were taken again
   kUnbalanced  // the solver ended with forces unbalanced
 };

@@ -312,7 +312,7 @@ std::string NamedForces::findProblem(const Named& force, const State& state, con
   const double dropped = std::abs(dropped_.dot(force.params.force));
   if (dropped > kRounding * force.params.force.norm())
     appendNotice(problem, formatShort(dropped) + " N of its " + formatShort(force.params.force.norm()) +
-                              " N are across the plane in which alone this model moves, and are dropped");
+                              " N are perpendicular to the plane in which this planar solid moves, and are ignored");
   return problem;
 }
 

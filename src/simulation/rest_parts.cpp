@@ -36,7 +36,9 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
     throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) +
                      "; accepted: at least 3");
   if (cloud::orderInSpace(s.dense))
-    s.notes.push_back("the cloud's order jumps about in space: inside, its points lie in another (outputs are in the input's)");
+    s.notes.push_back(
+        "neighbours are far apart in the order of the cloud, so that its points are sorted internally (outputs keep the input's "
+        "order)");
   if (s.dense.num_not_finite > 0)
     s.notes.push_back(
         count(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));

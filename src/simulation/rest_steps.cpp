@@ -253,7 +253,9 @@ void noteLeftOut(RestSurface& s) {
   if (s.order.num_left_out == 0) return;
   s.notes.push_back(count(s.order.num_left_out, "parts of the cloud, with ") +
                     count(static_cast<Index>(s.order.left_out.size()),
-                          "points, are too small for so few simulation points, and ride along with the nearest ones"));
+                          "points, are too small to get simulation points of their own, and follow the nearest ones; more "
+                          "simulation points include "
+                          "them"));
 }
 
 void takePoints(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSurface& s) {
@@ -275,8 +277,8 @@ void followSimulationPoints(const SceneParams& params, RestSurface& s) {
 
 void noteFollowing(RestSurface& s) {
   if (s.transfer.numDegenerate() > 0)
-    s.notes.push_back(
-        count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
+    s.notes.push_back(count(s.transfer.numDegenerate(),
+                            "points of the cloud follow simulation points that lie in one line; across it they move rigidly"));
   s.notes.push_back(count(static_cast<Index>(s.dense.positions.size()), "points, ") +
                     count(static_cast<Index>(s.points.size()), "simulation points, ") +
                     count(static_cast<Index>(stretchLinksOf(*s.model).size() + bendLinksOf(*s.model).size()), "links, ") +

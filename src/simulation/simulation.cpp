@@ -91,10 +91,10 @@ Changes Simulation::Impl::apply(const Command& command) {
 // From now on the run differs from the trial.
 void Simulation::Impl::leaveTrial(const char* how) {
   if (!(dynamics().params().accuracy.position_error > 0.0)) return;
-  const std::string why = std::string(how) + ", which was not tried";
+  const std::string why = std::string(how) + ", and the trials of accuracy.position_error do not cover what follows";
   const double share = dynamics().membraneShare();
   if (share < 1.0) {
-    trial_notice = "the membrane, of which " + formatReal(share) + " of the stated stiffness acted, has all of it again: " + why;
+    trial_notice = "the membrane has its stated stiffness again, no longer " + formatReal(share) + " of it: " + why;
     run.stiffenMembrane();
   }
   if (!dynamics().hasChosenIntegrator()) return;
@@ -125,7 +125,7 @@ StepOutcome Simulation::Impl::step() {
   if (!run.beginStep()) {
     taken = run.passStep();
   } else {
-    if (now + 1e-6 * dt >= dynamics().params().duration) leaveTrial("its time has come to an end");
+    if (now + 1e-6 * dt >= dynamics().params().duration) leaveTrial("the duration of the scene is over");
     outcome.notice = std::exchange(trial_notice, {});
     const std::shared_ptr<const CutTransfer::Memory> severed = surface.saveCut();
     const auto giveBack = [&] { surface.restoreCut(severed, stretchLinksOf(dynamics().model())); };
@@ -161,8 +161,8 @@ std::string Simulation::Impl::tellWhatLasts(const EstimatedDynamics::Outcome& ta
   std::string begun;
   if (stopped > 0 && lasting.see(Lasting::kStopped, static_cast<double>(stopped)))
     appendNotice(begun,
-                 "parts of the surface met faster than the springs between them could stop, which takes energy (statistics: "
-                 "stopped_points)");
+                 "parts of the surface meet faster than the springs of contact can stop: contact limits the motion of points, "
+                 "which takes energy (statistics: stopped_points)");
   if (report.halted > kHaltedShare * report.substeps && lasting.see(Lasting::kHalted)) appendNotice(begun, describeHalt(report));
   if (taken.retried.kind != solve::StepFailure::Kind::kNone && lasting.see(Lasting::kRetried))
     appendNotice(begun, describeRetry(taken.retried, taken.is_retried_implicitly, report.substeps));

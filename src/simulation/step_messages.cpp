@@ -14,10 +14,10 @@ constexpr double kFar = 0.01;  // of the largest force: above it, more iteration
 std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, bool has_stopped) {
   const std::string smaller = "a smaller time_step or ";
   if (has_stopped)
-    return report.unbalanced < kFar ? "contact stopped points in its way"
-                                    : "contact stopped points, and bears what is unbalanced";
+    return report.unbalanced < kFar ? "contact limits the motion of points, which can keep it from a balance"
+                                    : "contact limits the motion of points and carries what is unbalanced";
   if (!(report.unbalanced < kFar))
-    return "far from balance, as where forces are more than a surface bears: smaller ones, " +
+    return "far from balance, as under forces that the surface cannot carry: smaller forces, " +
            (is_static ? "more integrator.max_iterations or " : smaller) + "a reset may help";
   if (report.is_out_of_iterations) return "more integrator.max_iterations or a larger integrator.tolerance end this";
   return std::string("no iteration came nearer, as where a surface folds: a larger integrator.tolerance ends this") +
@@ -32,35 +32,36 @@ std::string describeFailure(const solve::StepFailure& failure) {
     case Failure::kInterrupted: return "was interrupted";
     case Failure::kTooManySubsteps:
       return "needs " + std::to_string(failure.substeps) + " sub-steps, more than the " + std::to_string(failure.most_substeps) +
-             " that can be waited for" + (failure.has_implicit ? " (the implicit method needs none)" : "");
+             " that are taken at most" + (failure.has_implicit ? " (integrator.type implicit needs none)" : "");
     case Failure::kNotFinite: return "gave values that are not finite";
     case Failure::kLeftSpace: return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
     case Failure::kGainedEnergy:
-      return "gained energy that nothing had put in (from " + formatShort(failure.energy_before) + " to " +
-             formatShort(failure.energy_after) + " J, where " + formatShort(failure.work) +
-             " J were put in; with the steps before it " + formatShort(failure.excess) + " J too much)";
+      return "gained energy out of nothing (from " + formatShort(failure.energy_before) + " to " +
+             formatShort(failure.energy_after) + " J, though loads and motions did work of " + formatShort(failure.work) +
+             " J; together with the steps before it, " + formatShort(failure.excess) + " J too much)";
   }
   return "";
 }
 
 std::string describeChange(const solve::TimeMarch::Outcome& outcome, const IntegratorParams& params) {
   if (!outcome.has_changed_type) return "";
-  if (outcome.type == IntegratorType::kVerlet) return "integrator.type auto: sub-steps fit again; verlet is used";
+  if (outcome.type == IntegratorType::kVerlet)
+    return "integrator.type auto: verlet is used again, as its sub-steps are within max_substeps";
   return "integrator.type auto: verlet needs " + std::to_string(outcome.verlet_substeps) +
          " sub-steps per step, more than max_substeps " + std::to_string(params.max_substeps) + "; implicit is used, which damps";
 }
 
 std::string describeRetry(const solve::StepFailure& why, bool is_implicit, Index substeps) {
-  return "a step " + describeFailure(why) + ", and was taken " +
-         (is_implicit ? "with the implicit method, which damps" : "again with " + std::to_string(substeps) + " sub-steps");
+  return "a step " + describeFailure(why) + ", and was repeated with " +
+         (is_implicit ? "the implicit method, which damps" : std::to_string(substeps) + " sub-steps");
 }
 
 std::string describeUnbalance(const solve::SolveReport& report, const IntegratorParams& params, bool is_static,
                               bool has_stopped) {
-  const std::string most = "integrator.max_iterations, " + std::to_string(params.max_iterations);
-  return "the solver stopped after " + std::to_string(report.iterations) + " iterations in all its searches (each of at most " +
-         most + ") with " + formatShort(report.unbalanced) +
-         " of the largest force unbalanced in place of integrator.tolerance, " + formatShort(params.tolerance) + "; " +
+  const std::string most = "at most integrator.max_iterations, " + std::to_string(params.max_iterations);
+  return "the solver stopped after " + std::to_string(report.iterations) + " iterations in all (" + most +
+         " in each search) with " + formatShort(report.unbalanced) +
+         " of the largest force unbalanced, more than integrator.tolerance, " + formatShort(params.tolerance) + "; " +
          adviseOnUnbalance(report, is_static, has_stopped);
 }
 

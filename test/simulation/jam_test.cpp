@@ -111,11 +111,12 @@ TEST(Jam, PlatesThatCloseAreNamedAndPinsAreNot) {
     ASSERT_GE(told.stopped, 5);
     EXPECT_LE(told.lines.size(), 4u) << joinLines(told);
     ASSERT_FALSE(told.lines.empty());
-    EXPECT_TRUE(has(told.lines[0], "contact stopped ") && has(told.lines[0], "one of them at (")) << told.lines[0];
+    EXPECT_TRUE(has(told.lines[0], "contact limited the motion of ") && has(told.lines[0], "one of them at (")) << told.lines[0];
     EXPECT_TRUE(has(joinLines(told), "moving tool 'upper' ")) << joinLines(told);
     EXPECT_FALSE(has(joinLines(told), "pins")) << joinLines(told);
     EXPECT_FALSE(has(joinLines(told), "smaller time_step")) << joinLines(told);
-    EXPECT_TRUE(has(told.at_end, "contact stopped points short in " + std::to_string(told.stopped) + " of ")) << joinLines(told);
+    EXPECT_TRUE(has(told.at_end, "contact limited the motion of points in " + std::to_string(told.stopped) + " of "))
+        << joinLines(told);
   }
 }
 
@@ -126,7 +127,7 @@ TEST(Jam, PinsThatPressAreNamedOnceAndTheEndIsTold) {
     ASSERT_GE(told.lines.size(), 2u) << joinLines(told);
     EXPECT_LE(told.lines.size(), 4u) << joinLines(told);
     EXPECT_TRUE(has(told.lines[0], "resting pins[0] holds") && has(told.lines[0], "moving pins[1] holds")) << told.lines[0];
-    EXPECT_TRUE(has(told.lines.back(), "contact stopped points short in " + std::to_string(told.stopped) + " of "))
+    EXPECT_TRUE(has(told.lines.back(), "contact limited the motion of points in " + std::to_string(told.stopped) + " of "))
         << joinLines(told);
     EXPECT_EQ(told.at_end, "");
   }
@@ -151,7 +152,7 @@ TEST(Jam, TheSentenceNamesWhatIsNearElseWhatActsOnTheSamePartElseNothing) {
   Jam jam;
   jam.points = 12;
   jam.place = Vec3(0.0, 0.5, -0.25);
-  const std::string where = "contact stopped 12 points short, one of them at (0, 0.5, -0.25) m, ";
+  const std::string where = "contact limited the motion of 12 points, one of them at (0, 0.5, -0.25) m, ";
   EXPECT_EQ(
       describeJam(jam),
       where + "where no tool or pin is near, nor acts on the same part: parts meet by their own motion, or under other loads");

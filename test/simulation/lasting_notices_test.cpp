@@ -31,8 +31,9 @@ TEST(LastingNotices, WhatLastsIsToldAtItsBeginningAndAfterItsEnd) {
   });
   ASSERT_EQ(lines.size(), 2u);
   EXPECT_EQ(lines[0], "it begins in step 50");
-  EXPECT_EQ(lines[1],
-            "contact stopped points short in 150 of 200 steps, from 0.5 to 2.5 s, at most 30 in a step; none in the last 1 s");
+  EXPECT_EQ(
+      lines[1],
+      "contact limited the motion of points in 150 of 200 steps, from 0.5 to 2.5 s, at most 30 in a step; none in the last 1 s");
   EXPECT_EQ(notices.endRun(), "");
 }
 

@@ -238,7 +238,7 @@ TEST(NamedForces, TellOnceOfAPartThatTheModelDrops) {
   };
   EXPECT_EQ(put(Vec3(3, 0, 4)), "");
   EXPECT_EQ(put(Vec3(3, -4, 0)),
-            "force 'a': 4 N of its 5 N are across the plane in which alone this model moves, and are dropped");
+            "force 'a': 4 N of its 5 N are perpendicular to the plane in which this planar solid moves, and are ignored");
   EXPECT_EQ(put(Vec3(3, -4, 0)), "");  // reported
 }
 

@@ -313,7 +313,7 @@ TEST(Population, GrowthThatFeedsDebrisRestsAndSaysSoOnce) {
   for (int k = 0; k < 100; ++k) {
     const simulation::StepOutcome outcome = s.step();
     ASSERT_TRUE(outcome.ok) << outcome.problem;
-    told += outcome.notice.find("growth has run away and rests: found ") != std::string::npos;
+    told += outcome.notice.find("growth is out of control and pauses: ") != std::string::npos;
     if (k == 49) at_end = s.state().size();
   }
   EXPECT_EQ(told, 1);

@@ -28,15 +28,16 @@ TEST(StepMessages, AFailureIsTheEndOfASentence) {
   EXPECT_EQ(describeFailure(StepFailure()), "");
   EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kInterrupted)), "was interrupted");
   EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kNotFinite)), "gave values that are not finite");
-  EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kGainedEnergy)),
-            "gained energy that nothing had put in (from 1 to 2.5 J, where 0.5 J were put in; with the steps before it 1.25 J "
-            "too much)");
+  EXPECT_EQ(
+      describeFailure(makeFailure(StepFailure::Kind::kGainedEnergy)),
+      "gained energy out of nothing (from 1 to 2.5 J, though loads and motions did work of 0.5 J; together with the steps before "
+      "it, 1.25 J too much)");
   EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kLeftSpace)).find("moved a point farther than "), 0u);
   StepFailure failure = makeFailure(StepFailure::Kind::kTooManySubsteps);
   EXPECT_EQ(describeFailure(failure),
-            "needs 2000000 sub-steps, more than the 1000000 that can be waited for (the implicit method needs none)");
+            "needs 2000000 sub-steps, more than the 1000000 that are taken at most (integrator.type implicit needs none)");
   failure.has_implicit = false;
-  EXPECT_EQ(describeFailure(failure), "needs 2000000 sub-steps, more than the 1000000 that can be waited for");
+  EXPECT_EQ(describeFailure(failure), "needs 2000000 sub-steps, more than the 1000000 that are taken at most");
 }
 
 TEST(StepMessages, OfAStepLikeTheLastThereIsNothingToSay) {
@@ -55,14 +56,15 @@ TEST(StepMessages, AChangeOfTheIntegratorIsSaidBothWays) {
   EXPECT_EQ(describeChange(outcome, params),
             "integrator.type auto: verlet needs 70 sub-steps per step, more than max_substeps 50; implicit is used, which damps");
   outcome.type = IntegratorType::kVerlet;
-  EXPECT_EQ(describeChange(outcome, params), "integrator.type auto: sub-steps fit again; verlet is used");
+  EXPECT_EQ(describeChange(outcome, params),
+            "integrator.type auto: verlet is used again, as its sub-steps are within max_substeps");
 }
 
 TEST(StepMessages, AStepThatWasTakenAgainIsSaidWithItsReason) {
   const StepFailure why = makeFailure(StepFailure::Kind::kNotFinite);
-  EXPECT_EQ(describeRetry(why, false, 12), "a step gave values that are not finite, and was taken again with 12 sub-steps");
+  EXPECT_EQ(describeRetry(why, false, 12), "a step gave values that are not finite, and was repeated with 12 sub-steps");
   EXPECT_EQ(describeRetry(why, true, 12),
-            "a step gave values that are not finite, and was taken with the implicit method, which damps");
+            "a step gave values that are not finite, and was repeated with the implicit method, which damps");
 }
 
 TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
@@ -71,13 +73,14 @@ TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
   report.iterations = 7;
   const auto adviceOf = [&](bool is_static, bool has_stopped = false) {
     const std::string notice = describeUnbalance(report, IntegratorParams(), is_static, has_stopped);
-    EXPECT_EQ(notice.find("the solver stopped after 7 iterations in all its searches ("), 0u) << notice;
+    EXPECT_EQ(notice.find("the solver stopped after 7 iterations in all (at most integrator.max_iterations, "), 0u) << notice;
     return notice.substr(notice.find(';') + 2);
   };
   report.unbalanced = 0.5;
-  EXPECT_EQ(adviceOf(true),
-            "far from balance, as where forces are more than a surface bears: smaller ones, more integrator.max_iterations or a "
-            "reset may help");
+  EXPECT_EQ(
+      adviceOf(true),
+      "far from balance, as under forces that the surface cannot carry: smaller forces, more integrator.max_iterations or a "
+      "reset may help");
   report.unbalanced = 0.001;
   EXPECT_EQ(adviceOf(true), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance ends this");
   EXPECT_EQ(
@@ -96,7 +99,7 @@ TEST(StepMessages, WhereContactStopsPointsNothingIsAdvised) {
       report.unbalanced = unbalanced;
       report.is_out_of_iterations = is_out;
       const std::string notice = describeUnbalance(report, IntegratorParams(), false, true);
-      EXPECT_NE(notice.find("; contact stopped points"), std::string::npos) << notice;
+      EXPECT_NE(notice.find("; contact limits the motion of points"), std::string::npos) << notice;
       for (const char* advice : {"smaller", "more integrator", "larger integrator"})
         EXPECT_EQ(notice.find(advice), std::string::npos) << notice;
     }

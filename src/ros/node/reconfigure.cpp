@@ -235,7 +235,7 @@ bool Reconfigure::set(const Config& wanted, Config& now) {
   });
   if (!unheard.empty()) return false;
   if (!problem.empty()) {
-    warnings_.report(Warning::kCommandRefused, "parameters refused, the old ones stay: " + problem);
+    warnings_.report(Warning::kCommandRefused, "parameters refused, the previous values stay: " + problem);
     return true;
   }
   store();

@@ -153,9 +153,8 @@ void RegistrationWatchdog::run() {
       registerAll();
       if (waitOrEnd(std::chrono::milliseconds(0))) return;
       ROS_WARN(
-          "the roscore was restarted; %s registered itself again, with its parameters; those of others, and what was sent "
-          "meanwhile "
-          "by who was not connected, are lost",
+          "the roscore was restarted; %s has registered again and set its parameters; parameters of other nodes, and messages "
+          "sent before connections were restored, are lost",
           ros::this_node::getName().c_str());
     } catch (const XmlRpc::XmlRpcException& error) {
       ROS_ERROR("registering again after a restart of the roscore failed: %s", error.getMessage().c_str());

@@ -166,8 +166,7 @@ void Stepper::letGo() {
 
 void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
   letGo();
-  if (!is_held_valid_)
-    throw InputError("the surface has become another meanwhile, by a reset, a snapshot or a cloud; nothing was changed");
+  if (!is_held_valid_) throw InputError("the surface was reset, restored or replaced meanwhile; nothing was changed");
   simulation_ = std::move(simulation);
   simulation_->setInterrupt(inbox_.endingStep());
   is_as_built_ = false;

@@ -190,7 +190,7 @@ void Stepper::begin(CloudResult&& result) {
   cloud_.frame = result.cloud_frame;
   worker_.ignore(params_.input.policy == simulation::InputPolicy::kIgnore);
 
-  std::string notice = ": the cloud came again: the surface that was made of it begins anew";
+  std::string notice = ": the same cloud was received again: its surface is reset to its rest state";
   if (!is_again) {
     std::string notices;
     for (const std::string& more : result.filter_notices) appendNotice(notices, more);
@@ -199,7 +199,7 @@ void Stepper::begin(CloudResult&& result) {
   }
   const double behind = is_clock_simulated_ || isLockstep() ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
   if (behind > kReportedLag)
-    notice += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, a time that is left out";
+    notice += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, and does not catch up with that time";
   ROS_INFO_STREAM(warnings_.name() << notice);
   for (const std::string& warning : simulation_->buildWarnings()) warnings_.report(Warning::kNotice, warning);
   building_.reset();

@@ -27,7 +27,7 @@ void WarningLog::report(Warning warning, const std::string& sentence) {
     ++cause.left_out;
     return;
   }
-  const std::string more = cause.left_out > 0 ? " (" + std::to_string(cause.left_out) + " like it left out)" : "";
+  const std::string more = cause.left_out > 0 ? " (" + std::to_string(cause.left_out) + " similar messages were not logged)" : "";
   const bool is_error = warning == Warning::kStep || warning == Warning::kInternal;
   if (is_error) {
     ROS_ERROR_STREAM(name_ << ": " << last_ << more);

@@ -84,7 +84,7 @@ Run::Run(const SimulateOptions& options, const Terminal& terminal, KeptSurfaces*
   checkOptions(options, params_);
   if (!params_.expect.empty() && isOtherRun(options, params_)) {
     params_.expect.clear();
-    note("what the scene expects is not looked at: it is of the scene's own cloud and duration");
+    note("expect is not checked: its bounds are for the scene's own cloud and duration");
   }
   if (!options.statistics_file.empty()) statistics_.emplace(options.statistics_file);
   if (!options.wrenches_file.empty()) wrenches_file_.emplace(options.wrenches_file);
@@ -114,8 +114,8 @@ int Run::run() {
   }
   stepUntil(end_);
   if (status_ == kInterrupted) {
-    report("interrupted at t = " + formatReal(runTime()) + " s; nothing is written" +
-           (frames_ ? " but the frames until then" : ""));
+    report("interrupted at t = " + formatReal(runTime()) + " s; no output is written" +
+           (frames_ ? ", except the frames until then" : ""));
     return kInterrupted + terminal_.stop.number;
   }
   finish();

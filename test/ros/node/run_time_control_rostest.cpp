@@ -321,7 +321,7 @@ TEST_F(RunTimeControlTest, ParametersChangeWhileItRunsOrStayWithAWarning) {
   ASSERT_TRUE(client_->waitForDiagnostic("commands refused", 0));
   EXPECT_EQ(set("material.young_modulus", -1.0), 1e5);
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", 1)) << process_->output();
-  EXPECT_NE(process_->output().find("the old ones stay: material.young_modulus: found -1"), std::string::npos)
+  EXPECT_NE(process_->output().find("the previous values stay: material.young_modulus: found -1"), std::string::npos)
       << process_->output();
 
   // A snapshot restores the values of its time, with a message.

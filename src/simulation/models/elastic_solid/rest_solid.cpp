@@ -136,7 +136,7 @@ void noteGravityAcross(const SceneParams& params, const Vec3& across, RestSurfac
   constexpr double kRounding = 1e-9;
   const auto leaves = [&](const Vec3& v) { return std::abs(across.dot(v)) > kRounding * v.norm(); };
   if (leaves(params.gravity))
-    s.warnings.push_back("the solid is planar and moves in its plane only: gravity across it is dropped");
+    s.warnings.push_back("the solid is planar and moves in its plane only: gravity perpendicular to it is ignored");
 }
 
 }  // namespace

@@ -119,9 +119,9 @@ void ParticleLife::grow(State& state, Population& changes) {
   if (newborn.empty()) return;
   if (const Index debris = countDebris(state); debris > kMostDebris) {
     if (!std::exchange(has_reported_debris_, true))
-      changes.notice = "growth has run away and rests: found " + std::to_string(debris) +
-                       " pieces of newborn particles alone, which have come loose from the surface; accepted: up to " +
-                       std::to_string(kMostDebris);
+      changes.notice = "growth is out of control and pauses: " + std::to_string(debris) +
+                       " pieces of new particles have come off the surface; it goes on at " + std::to_string(kMostDebris) +
+                       " or fewer";
     return;
   }
   const Index first = state.size();

@@ -170,7 +170,7 @@ void takeCloudAsRest(Index k, model::OrientedParticles& model, RestSurface& s) {
     if (moves.largest > 0.0)
       s.notes.push_back("particles moved by " + formatShort(moves.root_mean_square / spacing) + " spacings (rms; at most " +
                         formatShort(moves.largest / spacing) +
-                        ") before time 0 until they were even; the cloud's points ride on them");
+                        ") before time 0 until they were even; the cloud's points follow them");
     return;
   }
   const Settled settled = settleParticles(s.dense, attraction, settling.held, settling.held_turns, model, state);
@@ -181,7 +181,7 @@ void takeCloudAsRest(Index k, model::OrientedParticles& model, RestSurface& s) {
                     (settled.is_near ? "at rest as the cloud's shape"
                                      : "even; they are not at rest, for the only rest that was found is a "
                                        "crumpled one: material.bending_rigidity is too small, or particles lie on others") +
-                    "; the cloud's points ride on them (oriented_particles.rest_shape flat: they begin where the points are, "
+                    "; the cloud's points follow them (oriented_particles.rest_shape flat: they begin where the points are, "
                     "unless two are too near)");
 }
 
@@ -210,7 +210,7 @@ void partCrushed(const Vec2& exponents, model::OrientedParticles& model, RestSur
   const double spacing = model.lattice().spacing;
   s.notes.push_back(count(crushed, "particles were nearer to another than bonds can hold: all slid over the surface by ") +
                     formatShort(moves.root_mean_square / spacing) + " spacings (rms; at most " +
-                    formatShort(moves.largest / spacing) + ") before time 0 to become even; the cloud's points ride on them");
+                    formatShort(moves.largest / spacing) + ") before time 0 to become even; the cloud's points follow them");
 }
 
 // Oriented particles on the simulation points, which need not be a surface yet.
