@@ -5,7 +5,8 @@ A test of its own is test/ROOM/NAME_test.cpp or test/ROOM/FOLDER_NAME_test.cpp, 
   check_tests.py [REPOSITORY]    one line for each source without a test and each stale entry; status 1 if there is any
   check_tests.py --self-test     shows on made-up files that each rule can fail"""
 import os
-import sys
+
+import repository_check
 
 ROOMS = ("solve", "model", "simulation")
 
@@ -105,8 +106,16 @@ def list_files(repository, top, ending):
             for folder, _, names in os.walk(root) for name in names if name.endswith(ending)}
 
 
+def check_tree(repository):
+    """Sentences, one for each source or entry that is wrong, and the number of sources."""
+    sources = {name + ".cpp" for name in list_files(repository, "src", ".cpp") if name.split("/")[0] in ROOMS}
+    if not sources:
+        return [], 0
+    return find_problems(sources, list_files(repository, "test", "_test.cpp"), COVERED), len(sources)
+
+
 def test_self():
-    """Each made-up set of files and how many problems it has. Returns the cases judged wrongly."""
+    """Each made-up set of files and how many problems it has. Returns the cases judged wrongly, and their number."""
     cases = [
         ({"model/a.cpp"}, {"model/a"}, {}, 0),
         ({"model/x/parts.cpp"}, {"model/x_parts"}, {}, 0),
@@ -116,23 +125,9 @@ def test_self():
         ({"model/a.cpp"}, set(), {"model/a.cpp": (["model/b"], "")}, 1),
         (set(), {"model/b"}, {"model/a.cpp": (["model/b"], "")}, 1),
     ]
-    return [case for case in cases if len(find_problems(*case[:3])) != case[3]]
-
-
-def main():
-    if sys.argv[1:] == ["--self-test"]:
-        wrong = test_self()
-        for case in wrong:
-            print("judged wrongly:", case)
-        return 1 if wrong else 0
-    repository = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-    sources = {name + ".cpp" for name in list_files(repository, "src", ".cpp") if name.split("/")[0] in ROOMS}
-    problems = find_problems(sources, list_files(repository, "test", "_test.cpp"), COVERED)
-    for problem in problems:
-        print(problem)
-    print("%d checked, %d wrong" % (len(sources), len(problems)))
-    return 1 if problems else 0
+    wrong = ["judged wrongly: %s" % (case,) for case in cases if len(find_problems(*case[:3])) != case[3]]
+    return wrong, len(cases)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    repository_check.run(check_tree, test_self, "no source file found")
