@@ -39,11 +39,8 @@ void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles)
     const Vec3 margin = Vec3::Constant(kOverlap * length);
     tree.visitMeeting({boxes[e].min() - margin, boxes[e].max() + margin}, [&](Index f) {
       const Edge& other = edges[f];
-      const bool are_joined = one.from == other.from || one.from == other.to || one.to == other.from || one.to == other.to;
-      if (are_joined || lengthOf(other) < length || is_dropped[one.triangle] || is_dropped[other.triangle]) return;
-      const contact::Closest closest =
-          contact::findClosestOfEdges(rest[one.from], rest[one.to], rest[other.from], rest[other.to]);
-      if (closest.squaredDistance() < kOverlap * kOverlap * length * length) is_dropped[other.triangle] = 1;
+      if (lengthOf(other) < length || is_dropped[one.triangle] || is_dropped[other.triangle]) return;
+      if (doEdgesOverlap(rest, one.from, one.to, other.from, other.to)) is_dropped[other.triangle] = 1;
     });
   }
   // A point within a triangle that is covered by the triangles of its own neighbours.
@@ -61,11 +58,9 @@ void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles)
     const Edge& edge = edges[e];
     triangle_tree.visitMeeting(boxes[e], [&](Index f) {
       const contact::Triangle &own = triangles[edge.triangle], &other = triangles[f];
-      const auto has = [&](Index v) { return hasCorner(other, v); };
-      if (is_dropped[edge.triangle] || is_dropped[f] || has(edge.from) || has(edge.to)) return;
-      if (std::none_of(own.begin(), own.end(), has)) return;
-      if (contact::pierces(rest[edge.from], rest[edge.to], rest[other[0]], rest[other[1]], rest[other[2]]))
-        is_dropped[size(own) > size(other) ? edge.triangle : f] = 1;
+      if (is_dropped[edge.triangle] || is_dropped[f]) return;
+      if (std::none_of(own.begin(), own.end(), [&](Index v) { return hasCorner(other, v); })) return;
+      if (passesThrough(rest, edge.from, edge.to, other)) is_dropped[size(own) > size(other) ? edge.triangle : f] = 1;
     });
   }
   std::size_t kept = 0;

@@ -32,23 +32,24 @@ bool liesOn(const Points& rest, Index v, const Triangle& t) {
   return contact::findClosestToTriangle(rest[v], a, b, c).squaredDistance() < kOverlap * kOverlap * (b - a).squaredNorm();
 }
 
+bool doEdgesOverlap(const Points& rest, Index a, Index b, Index c, Index d) {
+  if (a == c || a == d || b == c || b == d) return false;
+  const double shorter = std::min((rest[b] - rest[a]).squaredNorm(), (rest[d] - rest[c]).squaredNorm());
+  return contact::findClosestOfEdges(rest[a], rest[b], rest[c], rest[d]).squaredDistance() < kOverlap * kOverlap * shorter;
+}
+
+bool passesThrough(const Points& rest, Index from, Index to, const Triangle& t) {
+  return !hasCorner(t, from) && !hasCorner(t, to) && contact::pierces(rest[from], rest[to], rest[t[0]], rest[t[1]], rest[t[2]]);
+}
+
 bool doOverlap(const Points& rest, const Triangle& one, const Triangle& other) {
-  const auto passes = [&](Index from, Index to, const Triangle& t) {
-    return !hasCorner(t, from) && !hasCorner(t, to) && contact::pierces(rest[from], rest[to], rest[t[0]], rest[t[1]], rest[t[2]]);
-  };
   for (int k = 0; k < 3; ++k) {
     const Index a = one[k], b = one[(k + 1) % 3];
-    const double length = (rest[b] - rest[a]).squaredNorm();
-    for (int m = 0; m < 3; ++m) {
-      const Index c = other[m], d = other[(m + 1) % 3];
-      if (a == c || a == d || b == c || b == d) continue;
-      const double shorter = std::min(length, (rest[d] - rest[c]).squaredNorm());
-      const contact::Closest closest = contact::findClosestOfEdges(rest[a], rest[b], rest[c], rest[d]);
-      if (closest.squaredDistance() < kOverlap * kOverlap * shorter) return true;
-    }
+    for (int m = 0; m < 3; ++m)
+      if (doEdgesOverlap(rest, a, b, other[m], other[(m + 1) % 3])) return true;
     if (!hasCorner(other, a) && liesOn(rest, a, other)) return true;
     if (!hasCorner(one, other[k]) && liesOn(rest, other[k], one)) return true;
-    if (passes(a, b, other) || passes(other[k], other[(k + 1) % 3], one)) return true;
+    if (passesThrough(rest, a, b, other) || passesThrough(rest, other[k], other[(k + 1) % 3], one)) return true;
   }
   return false;
 }

@@ -27,6 +27,11 @@ std::vector<contact::Box> listBoxes(const Points& rest, const std::vector<contac
 /// Whether a point lies on a triangle: nearer than kOverlap of its first edge.
 bool liesOn(const Points& rest, Index v, const contact::Triangle& t);
 
+/// Whether edges without a common point come nearer than kOverlap of the shorter one.
+bool doEdgesOverlap(const Points& rest, Index a, Index b, Index c, Index d);
+/// Whether an edge passes through a triangle that has none of its points.
+bool passesThrough(const Points& rest, Index from, Index to, const contact::Triangle& t);
+
 /// Whether edges without a common point come nearer than kOverlap of the shorter one, a point of one triangle lies on the other,
 /// or an edge of one passes through the other. rest: (n) m.
 bool doOverlap(const Points& rest, const contact::Triangle& one, const contact::Triangle& other);
