@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "rest_parts.h"
+#include "spacing.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -157,7 +158,7 @@ void clampPins(const SceneParams& params, const RestSurface& full, RestSurface& 
   };
   std::vector<char> inside;
   for (const Vec3& p : dense) inside.push_back(contains(p));
-  const double spacing = std::sqrt(s.area / static_cast<double>(dense.size()));
+  const double spacing = findSpacing(s.area, dense.size());
   const std::vector<char> dense_clamping = markClamping(dense, full.dense_neighbors, inside, spacing);
   std::vector<char> clamping;
   for (std::size_t i = 0; i < s.points.size(); ++i) clamping.push_back(s.pinned[i] == kInPin && dense_clamping[s.dense_index[i]]);

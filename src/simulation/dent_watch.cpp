@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "spacing.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -74,8 +76,8 @@ DentWatch::DentWatch(const model::MaterialParams& material, const Points& points
     }
   }
   for (std::size_t i = 0; i < points.size(); ++i) curvature_[i] /= std::max(1.0, count[i]);
-  spacing_ = std::sqrt(area / static_cast<double>(points.size()));
-  full_spacing_ = std::sqrt(area / num_full);
+  spacing_ = findSpacing(area, points.size());
+  full_spacing_ = findSpacing(area, num_full);
   has_short_dents_ = hasShortDents(curvature);
   if (!has_short_dents_ && static_cast<Index>(points.size()) >= num_full) triangles_.clear();
   const auto squareOf = [](double length) { return 4.0 * kPi * kPi / (length * length); };

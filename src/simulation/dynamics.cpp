@@ -10,6 +10,7 @@
 
 #include "contact_areas.h"
 #include "points_between.h"
+#include "spacing.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -23,8 +24,6 @@ Index nearestPoint(const Points& points, const Vec3& to) {
     if ((points[i] - to).squaredNorm() < (points[nearest] - to).squaredNorm()) nearest = i;
   return nearest;
 }
-
-double findSpacing(const RestSurface& rest) { return std::sqrt(rest.area / static_cast<double>(rest.points.size())); }
 
 // Why a surface does not lie open; empty: it does.
 std::string describeLie(contact::SelfContact::Lie lie) {
@@ -49,7 +48,8 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
       loads_(*model_, params),
       system_(*model_, loads_.acting(), held_, params.material.damping, &held_turns_),
       march_(system_, *model_, params_.integrator),
-      activity_(params.sleep, rest_->points, findSpacing(*rest_), params.integrator.time_step, *model_, canBeInParts()) {
+      activity_(params.sleep, rest_->points, findSpacing(rest_->area, rest_->points.size()), params.integrator.time_step, *model_,
+                canBeInParts()) {
   chosen_.made = params.material;
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
   makeSelfContact(std::move(made));

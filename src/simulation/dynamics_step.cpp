@@ -12,6 +12,7 @@
 
 #include "grazing.h"
 #include "rest_parts.h"
+#include "spacing.h"
 #include "step_messages.h"
 
 namespace deformable_surface::simulation {
@@ -375,7 +376,7 @@ std::string Dynamics::holdLoose() {
 // Zero if the equilibrium is near the start of the first search, which needs no second one; none if interrupted.
 std::optional<double> Dynamics::searchAgain(double now, double disturbance, model::State& start) const {
   const Points& found = now_.points.positions;
-  if (findLargestDistance(found, start.positions) < std::sqrt(rest_->area / now_.points.size())) return 0.0;
+  if (findLargestDistance(found, start.positions) < findSpacing(rest_->area, now_.points.size())) return 0.0;
   disturb(disturbance, start.positions);
   solve::TimeMarch second(system_, *model_, params_.integrator);
   second.setInterrupt(interrupt_);

@@ -14,6 +14,8 @@
 #include <tuple>
 #include <utility>
 
+#include "spacing.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -95,9 +97,9 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   unresolved_ = copies.unresolved;
   is_calibrated_ =
       static_cast<Index>(level.points.size()) >= kFewestCalibrated && (!is_simplified_ || 1.0 - unresolved_ <= kMostCalibrated);
-  spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
+  spacing_ = findSpacing(surface.area, surface.points.size());
   disturbance_ = (is_simplified_ || is_body_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
-  level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
+  level_spacing_ = findSpacing(level.area, level.points.size());
   has_hinged_pins_ = level.has_hinged_pins;
   is_local_ = (params.output.error || !params.accuracy.regions.empty()) && (is_simplified_ || is_body_);
   if (is_local_ && !params.accuracy.regions.empty()) watched_ = findFollowed(level, params);

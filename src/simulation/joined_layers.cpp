@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "rest_parts.h"
+#include "spacing.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -21,7 +22,7 @@ constexpr Index kManyShare = 4;  // of the points: one in so many. Steep steps a
 void noteJoinedLayers(RestSurface& s) {
   const Index n = static_cast<Index>(s.points.size());
   if (s.rings.ring.size() != n || s.normals.size() != s.points.size()) return;
-  const double shortest = kShortest * std::sqrt(s.area / static_cast<double>(n));
+  const double shortest = kShortest * findSpacing(s.area, n);
   std::vector<char> is_joined(n);
   double longest = 0.0;
   std::vector<Index> around;

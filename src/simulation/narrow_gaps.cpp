@@ -9,6 +9,7 @@
 
 #include "parts.h"
 #include "rest_parts.h"
+#include "spacing.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -47,8 +48,8 @@ void noteNarrowGaps(RestSurface& s) {
   if (s.cells.owner.empty() || s.rings.ring.size() != static_cast<Index>(s.points.size())) return;
   const Parts parts = findParts(static_cast<Index>(s.points.size()), linksOf(s.rings.ring));
   if (parts.count() < 2) return;
-  const double n = static_cast<double>(s.dense.positions.size()), spacing = std::sqrt(s.area / n);
-  const std::vector<Index> beside = findBeside(s, parts.label, kFar * std::sqrt(s.area / static_cast<double>(s.points.size())));
+  const double n = static_cast<double>(s.dense.positions.size()), spacing = findSpacing(s.area, n);
+  const std::vector<Index> beside = findBeside(s, parts.label, kFar * findSpacing(s.area, s.points.size()));
   Points positions;
   for (const Index i : beside) positions.push_back(s.dense.positions[i]);
   if (positions.size() < 2) return;

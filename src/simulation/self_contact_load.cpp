@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "spacing.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -16,7 +18,7 @@ constexpr double kOfSpacing = 0.2;  // thickness of the skin of a solid, which h
 double findContactThickness(const SceneParams& params, const RestSurface& rest) {
   if (!params.contact.thickness.is_auto) return params.contact.thickness.value;
   if (findModel(params.model).traits().is_surface) return params.material.thickness;
-  return kOfSpacing * std::sqrt(rest.area / static_cast<double>(rest.points.size()));
+  return kOfSpacing * findSpacing(rest.area, rest.points.size());
 }
 
 namespace {

@@ -11,6 +11,7 @@
 #include "accuracy.h"
 #include "accuracy_probe.h"
 #include "command_checks.h"
+#include "spacing.h"
 #include "step_messages.h"
 
 namespace deformable_surface::simulation {
@@ -35,7 +36,7 @@ void checkContactThickness(const SceneParams& params, const RestSurface& surface
     throw InputError("contact.thickness: found " + formatShort(thickness) + " m" +
                      (params.contact.thickness.is_auto ? " (material.thickness)" : "") + "; accepted: below " +
                      formatShort(extent) + " m, the largest extent of the surface");
-  const double spacing = std::sqrt(surface.area / static_cast<double>(rest.size()));
+  const double spacing = findSpacing(surface.area, rest.size());
   if (thickness > kThickContact * spacing)
     warnings.push_back(
         "contact.thickness is " + formatShort(std::round(10.0 * thickness / spacing) / 10.0) +

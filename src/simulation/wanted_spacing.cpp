@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "rest_parts.h"
+#include "spacing.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -43,7 +44,7 @@ double measureExtent(const Points& points, const PinParams& pin) {
 std::vector<char> findClamped(const SceneParams& params, const Points& dense, double area) {
   std::vector<char> clamped(dense.size(), 0);
   if (!findModel(params.model).isPlate(params)) return clamped;
-  const double spacing = std::sqrt(area / static_cast<double>(dense.size()));
+  const double spacing = findSpacing(area, dense.size());
   for (const PinParams& pin : params.pins) {
     if (!isBandOfRows(dense, pin, spacing) || measureExtent(dense, pin) > kSmallPin * std::sqrt(area)) continue;
     for (std::size_t i = 0; i < dense.size(); ++i)
@@ -138,7 +139,7 @@ std::vector<double> findWantedSpacing(const SceneParams& params, const std::vect
   const std::vector<double> shares = findShares(s, k, is_boundary);
   double area = 0.0;
   for (const double share : shares) area += share;
-  const double spacing = std::sqrt(area / std::max(target, Index{1}));
+  const double spacing = findSpacing(area, std::max(target, Index{1}));
   const std::vector<char> clamped = findClamped(params, x, area);
   const std::vector<Index> edge = findEdge(clamped, s.dense_neighbors), loaded = chooseLoadedPoints(params, x);
   if (edge.empty() && loaded.empty()) return {};

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "../../spacing.h"
 #include "rest.h"
 
 namespace deformable_surface::simulation {
@@ -36,7 +37,7 @@ Hull measureHull(const RestSurface& s) {
 
 // The spacing at which points on the surface and inside together have the wanted number; no finer than the cloud's.
 double chooseSpacing(const cloud::SimplificationParams& how, const Hull& hull, Index points) {
-  const double finest = std::sqrt(hull.area / points);
+  const double finest = findSpacing(hull.area, points);
   if (how.method == cloud::SimplificationMethod::kNone) return finest;
   const bool by_threshold = how.target_points == 0 && !how.threshold.is_auto;
   if (by_threshold) return std::max(finest, 0.5 * how.threshold.value);  // of a body, it is twice the least distance

@@ -17,6 +17,7 @@
 #include "../../points_between.h"
 #include "../../rest_parts.h"
 #include "../../rest_steps.h"
+#include "../../spacing.h"
 #include "../../unconstrained_parts.h"
 
 namespace deformable_surface::simulation {
@@ -82,8 +83,8 @@ Index connect(const SceneParams& params, const RestSurface& full, std::vector<In
 void findHingedPins(const SceneParams& params, const Points& dense, const model::MassSpring& surface, RestSurface& s) {
   if (s.points.size() >= dense.size()) return;
   if (surface.hasCurvature() && surface.numHinged() == 0) return;
-  const double spacing = std::sqrt(s.area / static_cast<double>(s.points.size()));
-  const double full_spacing = std::sqrt(s.area / static_cast<double>(dense.size()));
+  const double spacing = findSpacing(s.area, s.points.size());
+  const double full_spacing = findSpacing(s.area, dense.size());
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
     const double full = measureBand(dense, params.pins[p]), band = measureBand(s.points, params.pins[p]);
     if (!isBandOfRows(dense, params.pins[p], full_spacing) || band > kBandOfOneRow * spacing) continue;
@@ -100,7 +101,7 @@ void findHingedPins(const SceneParams& params, const Points& dense, const model:
 void buildModel(const SceneParams& params, const RestSurface& full, RestSurface& s) {
   applyPins(params, s);
   s.dense_spacing = full.dense_spacing;
-  if (!full.dense.positions.empty()) s.dense_spacing = std::sqrt(s.area / static_cast<double>(full.dense.positions.size()));
+  if (!full.dense.positions.empty()) s.dense_spacing = findSpacing(s.area, full.dense.positions.size());
   if (full.dense.positions.empty()) {
     s.pinned = full.pinned;
     s.clamp_edges = full.clamp_edges;
@@ -139,7 +140,7 @@ void noteBridgedGaps(const SceneParams& params, RestSurface& s) {
   }
   if (bridged < kFewOfRim) return;
   s.notes.push_back(count(bridged, "points of the cloud lie at the rims of holes or slits that the simulation points, ") +
-                    formatShort(std::sqrt(s.area / static_cast<double>(s.points.size()))) +
+                    formatShort(findSpacing(s.area, s.points.size())) +
                     " m apart, bridge: the surface is too stiff there, which the error estimate does not show; more simulation "
                     "points resolve them");
 }
