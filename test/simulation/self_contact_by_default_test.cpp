@@ -1,0 +1,141 @@
+// Where a surface has contact with itself by default, and what a user is told of where it has none.
+#include "../../src/simulation/self_contact_load.h"
+#include "self_contact_runs.h"
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::Simulation;
+
+// By default there is contact where it costs little: on surfaces that lie open.
+TEST(SelfContactByDefault, IsOnByDefaultWhereTheSurfaceLiesOpen) {
+  const auto isOn = [](const simulation::SceneParams& params, const cloud::PointCloud& cloud) {
+    Simulation s(params, cloud);
+    const std::vector<std::string>& notes = s.buildNotes();
+    const bool is_told = std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+      return note.find("contact.self: auto is off") != std::string::npos;
+    });
+    Simulation fork = s.fork();
+    run(s, 1);
+    run(fork, 1);
+    EXPECT_EQ(fork.statistics().skipped, s.statistics().skipped);
+    const std::vector<std::string> skipped = s.statistics().skipped;
+    const bool is_on = std::count(skipped.begin(), skipped.end(), "self_contact") > 0;
+    EXPECT_EQ(is_told, params.contact.self.is_auto && !is_on);
+    return is_on;
+  };
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.accuracy.estimate = false;
+  EXPECT_TRUE(isOn(p, sheetCloud()));
+  cloud::PointCloud with_hole = sheetCloud(), bowl = sheetCloud(), tube = sheetCloud();
+  Points& around = with_hole.positions;
+  around.erase(
+      std::remove_if(around.begin(), around.end(), [](const Vec3& x) { return (x - Vec3(0.5, 0.5, x.z())).norm() < 0.2; }),
+      around.end());
+  with_hole.width = static_cast<std::uint32_t>(around.size());
+  EXPECT_TRUE(isOn(p, with_hole));
+  for (Vec3& x : bowl.positions) x.z() = (x - Vec3(0.5, 0.5, x.z())).squaredNorm();
+  EXPECT_TRUE(isOn(p, bowl));
+  for (Vec3& x : tube.positions) x = Vec3(0.16 * std::cos(6.08 * x.x()), x.y(), 0.16 * std::sin(6.08 * x.x()));
+  EXPECT_FALSE(isOn(p, tube));
+  p.contact.self = false;
+  EXPECT_FALSE(isOn(p, sheetCloud()));
+  p.contact.self = true;
+  EXPECT_TRUE(isOn(p, tube));
+  // Values that may change in a run are given with all others as they were stated.
+  p.contact.self = {};
+  Simulation s(p, sheetCloud());
+  p.material.damping = 3.0;
+  s.setParams(p);
+  EXPECT_EQ(s.params().material.damping, 3.0);
+}
+
+TEST(SelfContactByDefault, TellsWhyItIsOffByDefault) {
+  const auto reasonOf = [](const simulation::SceneParams& params, const cloud::PointCloud& cloud) -> std::string {
+    const Simulation s(params, cloud);
+    for (const std::string& note : s.buildNotes())
+      if (note.find("contact.self: auto is off") != std::string::npos) return note;
+    return "it is on";
+  };
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.accuracy.estimate = false;
+  EXPECT_EQ(reasonOf(p, sheetCloud()), "it is on");
+  cloud::PointCloud tube = sheetCloud();
+  for (Vec3& x : tube.positions) x = Vec3(0.16 * std::cos(6.08 * x.x()), x.y(), 0.16 * std::sin(6.08 * x.x()));
+  EXPECT_NE(reasonOf(p, tube).find("lie over others"), std::string::npos) << reasonOf(p, tube);
+  p.contact.thickness = 0.04;
+  EXPECT_NE(reasonOf(p, sheetCloud()).find("thick"), std::string::npos) << reasonOf(p, sheetCloud());
+  p.contact.thickness = {};
+  p.integrator.type = solve::IntegratorType::kStatic;
+  EXPECT_NE(reasonOf(p, sheetCloud()).find("equilibria"), std::string::npos) << reasonOf(p, sheetCloud());
+  p.contact.self = true;
+  EXPECT_EQ(reasonOf(p, sheetCloud()), "it is on");
+}
+
+TEST(SelfContactByDefault, ATowelThatIsFoldedDoesNotCrossItselfByDefault) {
+  ContactScene scene = makeScene("fold", 2, 1.0);
+  scene.params.contact.self = {};
+  const SelfContactOutcome seen = simulate(scene);
+  EXPECT_EQ(seen.crossed, 0);
+  EXPECT_GT(seen.touched, 10);
+}
+
+// Layers a third of a spacing apart are bridged by the model; contact cannot use the triangles that overlap.
+TEST(SelfContactByDefault, WhatHasNoContactIsTold) {
+  const auto firstNotice = [](int num_layers, double gap) {
+    ContactScene scene = makeScene("drop", 1, 0.1);
+    scene.params.contact.self = true;
+    scene.params.tools.clear();
+    scene.cloud = {};
+    for (int layer = 0; layer < num_layers; ++layer)
+      for (int i = 0; i < 12; ++i)
+        for (int j = 0; j < 12; ++j) scene.cloud.positions.emplace_back(0.022 * i, 0.022 * j, gap * layer);
+    scene.cloud.width = static_cast<Index>(scene.cloud.positions.size());
+    Simulation s(scene.params, scene.cloud);
+    return s.step().notice;
+  };
+  EXPECT_EQ(firstNotice(1, 0.05).find("no contact with itself"), std::string::npos);
+  EXPECT_EQ(firstNotice(3, 0.05).find("no contact with itself"), std::string::npos);
+  EXPECT_NE(firstNotice(3, 0.007).find("no contact with itself"), std::string::npos);
+}
+
+// Triangles of the surface that overlap on a rough sheet: an edge of one passes through the other, with which it shares a vertex.
+TEST(SelfContactByDefault, OfTrianglesThatPassThroughTheirNeighboursTheLargerHasNoContact) {
+  const Points rest = {Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.5, 0.5, 0.3), Vec3(0.1, 0.1, -0.3)};
+  const std::vector<model::WeightedTriangle> triangles = {{{0, 1, 2}, 1.0}, {{0, 3, 4}, 1.0}};
+  const std::vector<contact::Triangle> chosen = simulation::ContactSkin(rest, triangles).triangles;
+  ASSERT_EQ(chosen.size(), 1u);
+  EXPECT_EQ(chosen[0], (contact::Triangle{0, 3, 4}));
+  // The edge is that of the larger triangle.
+  const Points long_edge = {rest[0], rest[1], rest[2], Vec3(1.7, 1.7, 1.5), Vec3(-1.1, -1.1, -1.5)};
+  EXPECT_EQ(simulation::ContactSkin(long_edge, triangles).triangles, (std::vector<contact::Triangle>{{0, 1, 2}}));
+  // Without a common vertex they may be two layers.
+  const Points apart = {rest[0], rest[1], rest[2], rest[3], rest[4], Vec3(0.5, 0.2, 0.5)};
+  EXPECT_EQ(simulation::ContactSkin(apart, {{{0, 1, 2}, 1.0}, {{3, 4, 5}, 1.0}}).triangles.size(), 2u);
+}
+
+TEST(SelfContactByDefault, AThicknessOfSpacingsIsWarnedOf) {
+  ContactScene scene = makeScene("drop", 1, 0.1);
+  EXPECT_TRUE(Simulation(scene.params, scene.cloud).buildWarnings().empty());
+  scene.params.contact.thickness = 0.08;
+  const std::vector<std::string> warnings = Simulation(scene.params, scene.cloud).buildWarnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("contact.thickness is "), std::string::npos) << warnings[0];
+}
+
+TEST(SelfContactByDefault, AThicknessBeyondTheSurfaceIsRefused) {
+  ContactScene scene = makeScene("drop", 1, 0.1);
+  scene.params.contact.thickness = 10.0;
+  try {
+    Simulation s(scene.params, scene.cloud);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("contact.thickness: found 10 m; accepted: below 0."), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
