@@ -72,7 +72,6 @@ COVERED = {
                                                       "the rest state is tested by what settles"),
     "simulation/models/registry.cpp": (["simulation/model_kind", "simulation/own_model"], "a list"),
     "simulation/rest_steps.cpp": (["simulation/rest_surface", "simulation/parts"], "the steps are tested in their order"),
-    "simulation/simulation_statistics.cpp": (["simulation/simulation", "simulation/viewer"], "a part of Simulation"),
     "simulation/snapshot.cpp": (["determinism/snapshot", "determinism/fork", "simulation/viewer"], "a part of Simulation"),
     "simulation/tool_arrival.cpp": (["simulation/appearing_tool"], "the test has the name of the feature"),
     "simulation/tool_forces.cpp": (["simulation/reactions"], "sums of the loads of contact, as tools report them"),

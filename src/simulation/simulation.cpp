@@ -112,6 +112,7 @@ void Simulation::Impl::reset() {
   softening = 0.0;
   trial_notice.clear();
   lasting.clear();
+  fallbacks.clear();
   is_target_missed = false;
   surface.reset();
   statistics = Statistics{};
@@ -146,6 +147,8 @@ StepOutcome Simulation::Impl::step() {
   outcome.was_retried = taken.retried.kind != solve::StepFailure::Kind::kNone;
   if (taken.ok) {
     appendNotice(outcome.notice, tellWhatLasts(taken));
+    if (fallbacks.endStep(dynamics().time(), dt, taken.report.fallbacks > 0))
+      appendNotice(outcome.notice, describeFallbacks(dynamics().lastIntegrator(), fallbacks.count(), fallbacks.steps()));
     outcome.notice = lasting.endStep(now, dt, taken.is_static, outcome.notice);
   }
   if (!taken.ok)

@@ -11,6 +11,7 @@
 
 #include "deformed_surface.h"
 #include "estimated_dynamics.h"
+#include "frequent_steps.h"
 #include "lasting_notices.h"
 
 namespace deformable_surface::simulation {
@@ -51,6 +52,7 @@ struct Simulation::Impl {
   std::string trial_notice;       // for the next step: the trial has ended
   bool is_target_missed = false;  // said since the last reset
   LastingNotices lasting;         // since the last reset, fork or snapshot
+  FrequentSteps fallbacks;        // to another integrator; since then
 
   Statistics statistics;
   std::optional<std::uint64_t> measured_revision;  // of the dynamics, that the statistics are of
@@ -85,6 +87,7 @@ struct Simulation::Impl {
   void readEstimate(Statistics& into) const;
   LocalErrors findLocalErrors() const;
   void listSkipped();
+  void countSteps(const EstimatedDynamics::Outcome& taken);
   void takeStatistics(const EstimatedDynamics::Outcome& taken, double seconds);
   const Surface& makeSurface(bool with_normals);
 };

@@ -99,9 +99,20 @@ void Simulation::Impl::listSkipped() {
   list(now.loads().self_contact && !now.loads().self_contact->mayAct(), "self_contact");
 }
 
+// Steps that were not taken as meant, since rest.
+void Simulation::Impl::countSteps(const EstimatedDynamics::Outcome& taken) {
+  const solve::SolveReport& report = taken.report;
+  const SelfContactLoads* const self = dynamics().loads().self_contact.get();
+  statistics.stopped_steps += self && self->numStopped() > 0;
+  statistics.halted_steps += report.halted > 0;
+  statistics.retried_steps += taken.retried.kind != solve::StepFailure::Kind::kNone;
+  statistics.fallback_steps += report.fallbacks > 0;
+}
+
 // Results and costs of a step.
 void Simulation::Impl::takeStatistics(const EstimatedDynamics::Outcome& taken, double seconds) {
   const solve::SolveReport& report = taken.report;
+  if (!taken.has_slept) countSteps(taken);
   statistics.substeps = static_cast<std::uint32_t>(report.substeps);
   statistics.solver_iterations = static_cast<std::uint32_t>(report.iterations);
   if (!taken.has_slept) statistics.is_quasi_newton = report.is_quasi_newton;

@@ -79,6 +79,7 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   run.restore(saved.dynamics, saved.estimate.get(), is_viewer);
   trial_notice.clear();
   lasting.clear();
+  fallbacks.clear();
   restoreLooks(saved.looks);
 }
 

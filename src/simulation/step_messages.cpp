@@ -65,9 +65,20 @@ std::string describeUnbalance(const solve::SolveReport& report, const Integrator
          adviseOnUnbalance(report, is_static, has_stopped);
 }
 
+std::string describeFallbacks(IntegratorType chosen, Index fallbacks, Index steps) {
+  const std::string often = std::to_string(fallbacks) + " of the last " + std::to_string(steps) + " steps ";
+  if (chosen == IntegratorType::kVerlet)
+    return often + "could not be taken with verlet, and the implicit method, which damps, took them (statistics: fallback_steps)";
+  return often +
+         "would have gained energy, as where the surface hits something, and implicit Euler took them: it damps more and is less "
+         "accurate than the second-order method of integrator.type implicit; verlet has no such steps (statistics: "
+         "fallback_steps)";
+}
+
 std::string describeHalt(const solve::SolveReport& report) {
   return "parts of the surface press on each other so hard that keeping them from crossing took all motion within them in " +
-         std::to_string(report.halted) + " of " + std::to_string(report.substeps) + " sub-steps of this step";
+         std::to_string(report.halted) + " of " + std::to_string(report.substeps) +
+         " sub-steps of this step (statistics: halted_steps)";
 }
 
 }  // namespace deformable_surface::simulation

@@ -17,6 +17,8 @@ std::string describeRetry(const solve::StepFailure& why, bool is_implicit, Index
 /// Of a search that ended before the forces were balanced. has_stopped: contact of the surface with itself stopped points short.
 std::string describeUnbalance(const solve::SolveReport& report, const solve::IntegratorParams& params, bool is_static,
                               bool has_stopped);
+/// Of steps that the chosen integrator did not take, at least in part: so many of the last ones.
+std::string describeFallbacks(solve::IntegratorType chosen, Index fallbacks, Index steps);
 /// Of a step in which contact took the motion of parts, in so many sub-steps.
 std::string describeHalt(const solve::SolveReport& report);
 

@@ -252,6 +252,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   const Index iterations = report.iterations;
   report = stage_.takeEulerStep(system, time, step, before_, state);
   report.iterations += iterations;
+  report.fallbacks = report.substeps;
   return report;
 }
 

@@ -47,6 +47,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.converged = total.converged && part.converged;
   total.substeps += part.substeps;
   total.halted += part.halted;
+  total.fallbacks += part.fallbacks;
   total.iterations += part.iterations;
   total.is_quasi_newton = part.is_quasi_newton;
   total.residual = std::max(total.residual, part.residual);
@@ -414,6 +415,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     goBack(time, state);
     return outcome;
   }
+  if (memory_.type == IntegratorType::kVerlet && (is_too_stiff_ || outcome.is_retried_implicitly))
+    report.fallbacks = report.substeps;
   guard_.commit();
   return outcome;
 }

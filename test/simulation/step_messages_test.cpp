@@ -106,5 +106,10 @@ TEST(StepMessages, WhereContactStopsPointsNothingIsAdvised) {
   }
 }
 
+TEST(StepMessages, FallbacksAreToldWithTheirShareAndCause) {
+  EXPECT_EQ(describeFallbacks(IntegratorType::kImplicit, 20, 100).find("20 of the last 100 steps would have gained energy"), 0u);
+  EXPECT_EQ(describeFallbacks(IntegratorType::kVerlet, 2, 10).find("2 of the last 10 steps could not be taken with verlet"), 0u);
+}
+
 }  // namespace
 }  // namespace deformable_surface::simulation

@@ -17,20 +17,21 @@ class KnownStep : public SlowerOscillators, public model::Links {
  public:
   explicit KnownStep(double stiffness) : SlowerOscillators({stiffness}, 1e-3, 1.0) {}
   double findStableStep(const State&) const override {
-    ++num_estimates;
-    return stable_step;
+    return ++num_estimates > 1 && later_step > 0.0 ? later_step : stable_step;
   }
   const model::Links* links() const override { return this; }
   const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return no_links; }
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links; }
-  double maxStretch(const State&) const override { return stretch; }
+  double maxStretch(const State&) const override { return stretch += growth; }
   void computePointStrain(const State& s, std::vector<double>& strain) const override { strain.assign(s.positions.size(), 0.0); }
 
   void change(double step) {
     stable_step = step;
     stretch += 1.0;
   }
-  double stable_step = 0.01, stretch = 0.0;
+  double stable_step = 0.01, growth = 0.0;  // growth: of the stretch from one look at it to the next
+  double later_step = 0.0;                  // stable step from the second estimate on; 0: the same
+  mutable double stretch = 0.0;
   mutable int num_estimates = 0;
   std::vector<std::pair<Index, Index>> no_links;
 };
@@ -220,6 +221,24 @@ TEST(TimeMarch, WhatLeavesSpaceIsRefusedWithoutTheRestOfItsSubsteps) {
     if (type == solve::IntegratorType::kImplicit) EXPECT_EQ(outcome.retried.kind, solve::StepFailure::Kind::kNone);
     EXPECT_EQ(m.state.positions[0], Vec3(1.0, 0.0, 0.0));
   }
+}
+
+TEST(TimeMarch, AStepThatBecomesTooStiffForVerletIsAFallbackAndOneThatAutoTakesImplicitlyIsNone) {
+  March m(1.0);
+  m.params.max_substeps = 500;
+  m.model.stable_step = 2e-4;  // a hundred sub-steps
+  m.model.later_step = 1e-5;   // two thousand
+  m.model.growth = 0.2;
+  const solve::TimeMarch::Outcome first = m.march.step(0.0, m.state);
+  ASSERT_TRUE(first.ok);
+  EXPECT_EQ(first.type, solve::IntegratorType::kVerlet);
+  EXPECT_GT(first.report.fallbacks, 0);
+  EXPECT_EQ(first.report.fallbacks, first.report.substeps);
+  const solve::TimeMarch::Outcome second = m.march.step(0.01, m.state);
+  ASSERT_TRUE(second.ok);
+  EXPECT_EQ(second.type, solve::IntegratorType::kImplicit);
+  EXPECT_TRUE(second.has_changed_type);
+  EXPECT_EQ(second.report.fallbacks, 0);
 }
 
 TEST(TimeMarch, UnderAScopeNoForcesAreEvaluatedAnyMoreOnceItIsInterrupted) {

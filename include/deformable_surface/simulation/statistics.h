@@ -39,6 +39,10 @@ struct Statistics {
   std::uint32_t self_contacts = 0;                                 // pairs of parts of the surface that push each other apart
   double self_distance = std::numeric_limits<double>::infinity();  // m, of the nearest of these pairs; infinite: there is none
   std::uint32_t stopped_points = 0;  // simulation points that were stopped short in the last step, before parts met
+  // Steps since rest in which contact limited the motion of points; took all motion of the parts that it stopped, in a sub-step
+  // at least; that were not sound at first and were taken again; that another integrator than the chosen one took, at least in
+  // part.
+  std::uint64_t stopped_steps = 0, halted_steps = 0, retried_steps = 0, fallback_steps = 0;
   std::uint64_t state_hash = 0;
   std::vector<std::string> skipped;  // stages that were not run because nobody needed them
 };
@@ -84,6 +88,10 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("self_contacts", s.self_contacts);
   visitor("self_distance", s.self_distance);
   visitor("stopped_points", s.stopped_points);
+  visitor("stopped_steps", s.stopped_steps);
+  visitor("halted_steps", s.halted_steps);
+  visitor("retried_steps", s.retried_steps);
+  visitor("fallback_steps", s.fallback_steps);
   visitor("state_hash", s.state_hash);
   visitor("skipped", s.skipped);
 }

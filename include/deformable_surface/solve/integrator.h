@@ -16,6 +16,7 @@ struct SolveReport {
   bool converged = true;  // implicit and static: the residual fell below the tolerance
   Index substeps = 0;
   Index halted = 0;  // of these: together, limits of motion (MotionLimit) made more energy than there was motion to take it from
+  Index fallbacks = 0;           // of these: taken by another integrator than the chosen one
   Index iterations = 0;          // of Newton's method, or of quasi-Newton steps where these were enough
   bool is_quasi_newton = false;  // these are the latter, which cost a few passes of forces each
   double residual = 0.0;         // N, the largest unbalanced force on a free point

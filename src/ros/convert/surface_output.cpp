@@ -73,6 +73,10 @@ void encodeStatistics(const simulation::Statistics& statistics, const CloudId& c
   message.self_contacts = statistics.self_contacts;
   message.self_distance = statistics.self_distance;
   message.stopped_points = statistics.stopped_points;
+  message.stopped_steps = statistics.stopped_steps;
+  message.halted_steps = statistics.halted_steps;
+  message.retried_steps = statistics.retried_steps;
+  message.fallback_steps = statistics.fallback_steps;
   message.state_hash = statistics.state_hash;
   message.skipped = statistics.skipped;
   // Under their old names.
