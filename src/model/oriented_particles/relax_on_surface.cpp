@@ -1,7 +1,7 @@
 #include "deformable_surface/model/oriented_particles/relax_on_surface.h"
 
 #include "deformable_surface/base/parallel.h"
-#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/kept_neighbors.h"
 
 #include <cmath>
 
@@ -10,16 +10,15 @@ namespace {
 
 constexpr Index kBlock = 64;
 constexpr double kReach = 2.0;  // spacings: beyond, weights are below a seventh
+constexpr double kSkin = 0.4;   // spacings: neighbours are found anew after moves of half of it; not tried otherwise
 constexpr double kShare = 0.5;  // of the way to where a particle alone would end: all move at once
 
 struct Step {
   Vec3 position, normal;
 };
 
-Step findStep(const cloud::KdTree& tree, const Points& positions, const Points& normals, double spacing, Index i,
-              std::vector<cloud::Neighbor>& near) {
+Step findStep(const std::vector<cloud::Neighbor>& near, const Points& positions, const Points& normals, double spacing, Index i) {
   const Vec3 &p = positions[i], &normal = normals[i];
-  tree.withinRadius(p, kReach * spacing, near);
   Vec3 push = Vec3::Zero(), mirrored = Vec3::Zero();
   double height = 0.0, total = 0.0;
   for (const cloud::Neighbor& q : near) {
@@ -42,13 +41,18 @@ Step findStep(const cloud::KdTree& tree, const Points& positions, const Points& 
 void relaxOnSurface(double spacing, Index sweeps, const std::vector<char>& fixed, Points& positions, Orientations& orientations) {
   const Index n = static_cast<Index>(positions.size());
   Points normals(n), moved(n), turned(n);
+  cloud::KeptNeighborhoods neighborhoods(kReach * spacing, kSkin * spacing);
   for (Index sweep = 0; sweep < sweeps; ++sweep) {
-    const cloud::KdTree tree(positions);
+    neighborhoods.update(positions);
     for (Index i = 0; i < n; ++i) normals[i] = orientations[i] * Vec3::UnitZ();
     parallelFor(n, kBlock, [&](Index begin, Index end) {
       std::vector<cloud::Neighbor> near;
       for (Index i = begin; i < end; ++i) {
-        const Step step = fixed[i] ? Step{positions[i], normals[i]} : findStep(tree, positions, normals, spacing, i, near);
+        Step step{positions[i], normals[i]};
+        if (!fixed[i]) {
+          neighborhoods.find(i, near);
+          step = findStep(near, positions, normals, spacing, i);
+        }
         moved[i] = step.position;
         turned[i] = step.normal;
       }

@@ -1,7 +1,7 @@
 #include "settle_particles.h"
 
 #include "deformable_surface/base/parallel.h"
-#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/kept_neighbors.h"
 #include "deformable_surface/solve/integrator.h"
 
 #include <algorithm>
@@ -29,9 +29,7 @@ constexpr double kTolerance = 1e-4;    // of its first force
 struct Place {
   Vec3 point, normal;
 };
-Place findSurface(const cloud::CleanCloud& dense, const cloud::KdTree& tree, const Vec3& at, const Vec3& facing,
-                  std::vector<cloud::Neighbor>& near) {
-  tree.nearest(at, kLookedAt, near);
+Place findSurface(const cloud::CleanCloud& dense, const std::vector<cloud::Neighbor>& near, const Vec3& at, const Vec3& facing) {
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   double weights = 0.0;
   Index used = 0;
@@ -73,6 +71,7 @@ bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticl
   const double mobility = kRelaxed / stiffness, longest = kLongestSlide * lattice.spacing;
   const cloud::KdTree tree(dense.positions);
   const Index n = state.size();
+  cloud::KeptNearest nearest(tree, dense.positions, kLookedAt, n);
   Points forces;
   std::vector<double> moved(n);
   bool is_moved = false;
@@ -90,7 +89,8 @@ bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticl
         if (sweep == 0) continue;  // only looks
         if (!held[i]) state.positions[i] += length > longest ? Vec3(longest / length * move) : move;
         if (held[i] && held_turns[i]) continue;
-        const Place place = findSurface(dense, tree, state.positions[i], normal, near);
+        nearest.find(i, state.positions[i], near);
+        const Place place = findSurface(dense, near, state.positions[i], normal);
         if (!held[i]) state.positions[i] = place.point;
         if (!held_turns[i])
           state.orientations[i] = (Quaternion::FromTwoVectors(normal, place.normal) * state.orientations[i]).normalized();
