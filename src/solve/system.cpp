@@ -266,12 +266,15 @@ double System::computeForcesAndLargest(double time, const State& state, Points& 
   endIfInterrupted();
   clear(state.size(), forces);
   model_.addForces(state, forces);
-  clear(state.size(), loads_alone_);
-  for (const ExternalLoad* load : loads_) load->addForces(time, state, loads_alone_);
   double squared = 0.0;
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    squared = std::max({squared, forces[i].squaredNorm(), loads_alone_[i].squaredNorm()});
-    forces[i] += loads_alone_[i];
+  for (const Vec3& force : forces) squared = std::max(squared, force.squaredNorm());
+  for (const ExternalLoad* load : loads_) {  // each by itself: contact bears weight
+    clear(state.size(), loads_alone_);
+    load->addForces(time, state, loads_alone_);
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      squared = std::max(squared, loads_alone_[i].squaredNorm());
+      forces[i] += loads_alone_[i];
+    }
   }
   confine(forces);
   for (std::size_t i = 0; i < forces.size(); ++i)

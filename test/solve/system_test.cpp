@@ -33,6 +33,17 @@ TEST(System, AddsLoadsToTheMaterialAndLeavesHeldPointsAlone) {
   EXPECT_DOUBLE_EQ(s.system.largestForce(0.0, s.state), 18.0);
 }
 
+// As on a table: nothing is left of the sum, but the weight has to be borne.
+TEST(System, TheLargestForceIsThatOfEachLoadAlsoWhereLoadsCancel) {
+  Setting s;
+  const ConstantField table(s.model.masses(), Vec3(0.0, 0.0, 10.0));
+  s.loads.push_back(&table);
+  s.state.positions = {Vec3::Zero(), Vec3::Zero()};
+  Points forces;
+  EXPECT_DOUBLE_EQ(s.system.computeForcesAndLargest(0.0, s.state, forces), 5.0);
+  EXPECT_EQ(forces, (Points{Vec3::Zero(), Vec3::Zero()}));
+}
+
 TEST(System, KnowsEnergiesAndTheWorkOfWhatCarriesHeldPoints) {
   Setting s;
   EXPECT_DOUBLE_EQ(s.system.elasticEnergy(s.state), 0.5 * 4.0 + 0.5 * 9.0 * 4.0);
