@@ -76,7 +76,9 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
   report.substeps = countSubsteps(step, max_substep);
   const double dt = step / report.substeps;
   const double decay = std::exp(-system.damping() * dt);
+  if (system.breaking()) report.carrying_work = 0.0;
   for (Index s = 0; s < report.substeps; ++s) {
+    if (system.breaking()) begin_ = state;
     const Timer timer;
     system.computeForces(time + s * dt, state, forces_);
     report.time_forces += timer.seconds();
@@ -90,6 +92,8 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
       state.positions[i] += dt * state.velocities[i];
     }
     if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, dt, s == 0, state);
+    // What pulls on moving pins may be gone at the end of the step.
+    if (system.breaking()) *report.carrying_work += system.carryingWork(time + s * dt, time + (s + 1) * dt, begin_, state);
     report.breakStretched(system, state);
     system.remember(time + (s + 1) * dt, dt, state);
   }

@@ -26,6 +26,7 @@ class SymplecticEuler : public Integrator {
 
  private:
   Points forces_, before_;
+  State begin_;  // of a sub-step in which something may break
 };
 
 /// Half kick, drift, half kick. Second order, no drift of energy, exact in free fall. Forces that depend on velocity are
