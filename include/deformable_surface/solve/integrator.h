@@ -23,8 +23,8 @@ struct SolveReport {
   double unbalanced = 0.0;  // share of the largest force that was left by searches that did not converge; the largest of them
   bool is_out_of_iterations = false;  // one of these took max_iterations; the others came no nearer
   double dissipated = 0.0;  // J, that damping by mass took out of the motion; of Verlet for points without orientation, else 0
-  // J, work of what moves held points against the forces on them; of Verlet also in collisions (MotionLimit). Of Verlet for
-  // points without orientation, of implicit steps, and of static steps that move them in parts, else unknown.
+  // J, work of what moves held points against the forces on them; of Verlet also in collisions (MotionLimit). Of Verlet, of
+  // symplectic Euler where something may break, of implicit steps, and of static steps that move them in parts, else unknown.
   std::optional<double> carrying_work;
   double time_forces = 0.0;  // s of wall time in force evaluations
 
