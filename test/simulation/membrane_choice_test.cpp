@@ -125,7 +125,7 @@ TEST(MembraneChoice, EndsWithWhatWasNotTried) {
     command(s);
     EXPECT_EQ(s.membraneShare(), 1.0);
     const std::string notice = s.step().notice;
-    EXPECT_NE(notice.find("was not tried"), std::string::npos) << notice;
+    EXPECT_NE(notice.find("do not cover what follows"), std::string::npos) << notice;
   }
 }
 
@@ -138,7 +138,7 @@ TEST(MembraneChoice, EndsWithTheDurationThatWasTried) {
     EXPECT_LT(s.membraneShare(), 1.0);
     const std::string notice = s.step().notice;
     EXPECT_EQ(s.membraneShare(), 1.0);
-    EXPECT_NE(notice.find("has come to an end"), std::string::npos) << notice;
+    EXPECT_NE(notice.find("the duration of the scene is over"), std::string::npos) << notice;
   }
 }
 
