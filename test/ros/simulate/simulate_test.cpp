@@ -220,7 +220,7 @@ TEST_F(Simulate, KeepsTheFramesUntilItIsInterrupted) {
   EXPECT_EQ(run({"--frames", path("frames"), "--final", path("out.ply"), "--duration", "100000"}), 128 + SIGTERM);
   has_ended = true;
   signal.join();
-  EXPECT_NE(err_.find("but the frames until then"), std::string::npos) << err_;
+  EXPECT_NE(err_.find("except the frames until then"), std::string::npos) << err_;
   EXPECT_EQ(countFiles("out.ply"), 0);
 }
 
