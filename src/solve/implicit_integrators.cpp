@@ -69,7 +69,7 @@ bool allFinite(const Points& points) {
 
 constexpr int kStuck = 3;           // iterations in a row that were shortened and brought nothing
 constexpr double kTooMuch = 1e-6;   // of the kinetic energy: far above rounding
-constexpr double kRounding = 1e-9;  // of the energies of a step: as much is left by rounding and by the search for a balance
+constexpr double kRounding = 1e-9;  // of the energies of a step: far above rounding
 
 // The energy that a step may gain: what loads put in, and what the tolerance of its balance lets pass. What loads without a
 // potential do relative to the tools that drive them only takes energy, but for springs of friction: it counts where it gives
