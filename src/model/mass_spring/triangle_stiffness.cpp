@@ -13,8 +13,8 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 64;   // triangles per task: some microseconds of work
-constexpr Index kChunk = 512;  // whose blocks fit the second-level cache
+constexpr Index kBlock = 32;   // triangles per task: ten microseconds of work
+constexpr Index kChunk = 256;  // two of them fit the second-level cache
 
 // Of the three corners in the plane at rest, where inverse is that of the edges from the first.
 std::array<Vec2, 3> findShapeGradients(const Mat2& inverse) {
@@ -65,24 +65,34 @@ void computeBlocks(const Mat32& F, const Mat2& inverse, double area, double mu, 
 
 }  // namespace
 
-// Computed by all threads, a chunk of triangles at a time, then added in the order of the triangles.
+// Computed by all threads, a chunk of triangles at a time. One of them meanwhile adds the chunk before, in the order of the
+// triangles.
 void TriangleMembrane::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
   const double lowest = hessian == Hessian::kPositive ? 0.0 : -std::numeric_limits<double>::infinity();
   const Index n = static_cast<Index>(elements_.size());
-  std::array<CornerBlocks, kChunk> blocks;
-  for (Index first = 0; first < n; first += kChunk) {
-    const Index size = std::min(kChunk, n - first);
-    parallelFor(size, kBlock, [&](Index begin, Index end) {
-      for (Index k = begin; k < end; ++k) {
-        const Element& e = elements_[first + k];
-        computeBlocks(gradient(e, state), e.inverse, e.area, mu_, lambda_, lowest, first + k, blocks[k]);
-      }
-    });
-    for (Index k = 0; k < size; ++k) {
-      const Index* const corner = elements_[first + k].corner;
-      for (int a = 0, place = 0; a < 3; ++a)
-        for (int b = 0; b <= a; ++b) stiffness.add(corner[a], corner[b], blocks[k][place++]);
+  std::array<CornerBlocks, kChunk> chunks[2];
+  const auto compute = [&](Index begin, Index end, std::array<CornerBlocks, kChunk>& blocks) {
+    for (Index t = begin; t < end; ++t) {
+      const Element& e = elements_[t];
+      computeBlocks(gradient(e, state), e.inverse, e.area, mu_, lambda_, lowest, t, blocks[t % kChunk]);
     }
+  };
+  const auto add = [&](Index begin, Index end, const std::array<CornerBlocks, kChunk>& blocks) {
+    for (Index t = begin; t < end; ++t) {
+      const Index* const corner = elements_[t].corner;
+      for (int a = 0, place = 0; a < 3; ++a)
+        for (int b = 0; b <= a; ++b) stiffness.add(corner[a], corner[b], blocks[t % kChunk][place++]);
+    }
+  };
+  for (Index first = 0; first < n + kChunk; first += kChunk) {
+    const Index size = std::clamp(n - first, Index{0}, kChunk), parity = first / kChunk % 2;
+    parallelFor((size + kBlock - 1) / kBlock + 1, 1, [&](Index task, Index) {
+      const Index begin = first + (task - 1) * kBlock;
+      if (task > 0)
+        compute(begin, std::min(begin + kBlock, first + size), chunks[parity]);
+      else if (first > 0)
+        add(first - kChunk, std::min(first, n), chunks[1 - parity]);
+    });
   }
 }
 
