@@ -1,5 +1,6 @@
 #include "deformable_surface/contact/clear_motion.h"
 
+#include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/simd.h"
 
 #include <algorithm>
@@ -9,7 +10,9 @@
 namespace deformable_surface::contact {
 namespace {
 
-constexpr Index kLanes = 12;  // coordinates of four points
+constexpr Index kLanes = 12;    // coordinates of four points
+constexpr Index kBlock = 3072;  // coordinates per task: a few microseconds of work
+constexpr Index kTasks = 16;    // at most
 
 // Of the coordinates of points, minus those predicted: least and largest, by axis in turn.
 struct Aside {
@@ -58,8 +61,22 @@ bool isWithin(const Points& positions, const Points* velocities, double time, co
   const Index size = 3 * static_cast<Index>(positions.size()), whole = size - size % kLanes;
   const double *x = positions.data()->data(), *v = velocities ? velocities->data()->data() : nullptr,
                *from = motion.from.data()->data(), *way = motion.way.data()->data();
-  Aside range;
-  boundAside(whole, x, v, time, from, way, share, range.least.data(), range.largest.data(), &range.undefined);
+  // Extremes do not depend on how the coordinates are divided.
+  const Index block = std::max(kBlock, (whole / kLanes + kTasks - 1) / kTasks * kLanes);
+  std::array<Aside, kTasks> ranges;
+  parallelFor(whole, block, [&](Index begin, Index end) {
+    Aside& part = ranges[begin / block];
+    boundAside(end - begin, x + begin, v ? v + begin : nullptr, time, from + begin, way + begin, share, part.least.data(),
+               part.largest.data(), &part.undefined);
+  });
+  Aside range = ranges[0];
+  for (const Aside& part : ranges)
+    for (Index k = 0; k < kLanes; ++k) {
+      range.least[k] = std::min(range.least[k], part.least[k]);
+      range.largest[k] = std::max(range.largest[k], part.largest[k]);
+    }
+  range.undefined = 0.0;
+  for (const Aside& part : ranges) range.undefined += part.undefined;
   for (Index i = whole; i < size; ++i) {
     const double aside = x[i] + (v ? time * v[i] : 0.0) - (from[i] + share * way[i]);
     range.least[i - whole] = std::min(range.least[i - whole], aside);

@@ -8,15 +8,16 @@
 namespace deformable_surface::contact {
 namespace {
 
-// 11 points in a row, the last of which moves fastest, along y.
+// Points in a row, the last of which moves fastest, along y.
 struct Row {
   Points positions, velocities;
   ClearMotion motion;
 
-  Row() {
-    for (int i = 0; i < 11; ++i) {
-      positions.emplace_back(0.1 * i, 0.0, 0.0);
-      velocities.emplace_back(0.0, 0.1 * i, 0.0);
+  explicit Row(int size = 11) {
+    for (int i = 0; i < size; ++i) {
+      const double place = static_cast<double>(i) / (size - 1);
+      positions.emplace_back(place, 0.0, 0.0);
+      velocities.emplace_back(0.0, place, 0.0);
     }
     motion.predict(positions, velocities, 2.0);
   }
@@ -39,18 +40,20 @@ TEST(ClearMotion, KnowsWhatIsPredicted) {
 }
 
 TEST(ClearMotion, EachPointCounts) {
-  const Row row;
-  for (std::size_t i = 0; i < 10; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      Points there = row.at(1.0);
-      there[i][axis] += 0.02;
-      EXPECT_FALSE(row.motion.isNear(there, 0.009)) << i;
-      EXPECT_TRUE(row.motion.isNear(there, 0.011)) << i;
-      there[i][axis] = std::nan("");
-      EXPECT_FALSE(row.motion.isNear(there, 1.0)) << i;
-      there[i][axis] = INFINITY;
-      EXPECT_FALSE(row.motion.isNear(there, 1.0)) << i;
-    }
+  for (const int size : {11, 3001, 20001}) {  // in one task, in a few, in as many as there are
+    const Row row(size);
+    for (int i = 0; i < size - 1; i += 1 + size / 20)
+      for (int axis = 0; axis < 3; ++axis) {
+        Points there = row.at(1.0);
+        there[i][axis] += 0.02;
+        EXPECT_FALSE(row.motion.isNear(there, 0.009)) << i;
+        EXPECT_TRUE(row.motion.isNear(there, 0.011)) << i;
+        there[i][axis] = std::nan("");
+        EXPECT_FALSE(row.motion.isNear(there, 1.0)) << i;
+        there[i][axis] = INFINITY;
+        EXPECT_FALSE(row.motion.isNear(there, 1.0)) << i;
+      }
+  }
 }
 
 TEST(ClearMotion, ACommonDisplacementDoesNotCount) {
