@@ -15,13 +15,16 @@ namespace {
 // docs/decisions/0001-explicit-first.md.
 constexpr double kSafety = 0.5;
 constexpr Index kBlock = 3072;     // coordinates per task: some microseconds of work
+constexpr Index kPoints = 1024;    // points per task: the same coordinates
 constexpr double kSlowCost = 3.0;  // of a pass over the slow forces, in passes over the others: curvature beside triangles
 
 bool allFinite(const State& state) {
   // A sum is finite only if every term is, up to overflow. Such a state is not sound either.
-  double sum = 0.0;
-  for (Index i = 0; i < state.size(); ++i) sum += state.positions[i].cwiseAbs().sum() + state.velocities[i].cwiseAbs().sum();
-  return std::isfinite(sum);
+  return std::isfinite(parallelSum(state.size(), kPoints, [&](Index begin, Index end) {
+    double sum = 0.0;
+    for (Index i = begin; i < end; ++i) sum += state.positions[i].cwiseAbs().sum() + state.velocities[i].cwiseAbs().sum();
+    return sum;
+  }));
 }
 
 // Points that are stopped short keep the velocity of their remaining motion: a plastic impact. Held points keep theirs.
@@ -103,28 +106,28 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
 
 namespace {
 
-// One number per coordinate: the loops below run over plain arrays. from: may be position. force: at the beginning; next: its
-// estimate at the end, for the velocity predicted there.
-DEFORMABLE_SURFACE_WIDE void kickAndDrift(Index size, double decay, const double* kick, const double* drift, const double* force,
+// One number per coordinate: the loops below run over plain arrays. kick: 0 for points that do not drift. from: may be position.
+// force: at the beginning; next: its estimate at the end, for the velocity predicted there.
+DEFORMABLE_SURFACE_WIDE void kickAndDrift(Index size, double decay, double dt, const double* kick, const double* force,
                                           const double* next, const double* from, double* velocity, double* predicted,
                                           double* position) {
 #pragma GCC ivdep
   for (Index k = 0; k < size; ++k) {
     velocity[k] = decay * velocity[k] + kick[k] * force[k];
-    position[k] = from[k] + drift[k] * velocity[k];
+    position[k] = from[k] + (kick[k] != 0.0 ? dt : 0.0) * velocity[k];
     predicted[k] = decay * (velocity[k] + kick[k] * next[k]);
   }
 }
 
 // The end of one sub-step and the beginning of the next.
-DEFORMABLE_SURFACE_WIDE void kickTwiceAndDrift(Index size, double decay, const double* kick, const double* drift,
-                                               const double* force, const double* next, const double* from, double* velocity,
-                                               double* predicted, double* position) {
+DEFORMABLE_SURFACE_WIDE void kickTwiceAndDrift(Index size, double decay, double dt, const double* kick, const double* force,
+                                               const double* next, const double* from, double* velocity, double* predicted,
+                                               double* position) {
 #pragma GCC ivdep
   for (Index k = 0; k < size; ++k) {
     const double half_kick = kick[k] * force[k];
     velocity[k] = decay * (decay * (velocity[k] + half_kick)) + half_kick;
-    position[k] = from[k] + drift[k] * velocity[k];
+    position[k] = from[k] + (kick[k] != 0.0 ? dt : 0.0) * velocity[k];
     predicted[k] = decay * (velocity[k] + kick[k] * next[k]);
   }
 }
@@ -183,19 +186,21 @@ bool VelocityVerlet::takeLastForces(const System& system, const State& state, Po
   return true;
 }
 
-// Kicks, drifts and masses of the coordinates, and the held points that are carried along: they keep their velocities, which the
+// Kicks and masses of the coordinates, and the held points that are carried along: they keep their velocities, which the
 // loops below damp.
 void VelocityVerlet::prepare(const System& system, double dt, const State& state) {
   const Index n = state.size();
   const std::vector<double>& masses = system.masses();
   kick_.resize(3 * n);
-  drift_.resize(3 * n);
-  for (Index k = 0; k < 3 * n; ++k) {
-    kick_[k] = system.isHeld(k / 3) ? 0.0 : 0.5 * dt / masses[k / 3];
-    drift_[k] = system.isHeld(k / 3) ? 0.0 : dt;
-  }
-  mass_.resize(system.damping() > 0.0 ? 3 * n : 0);
-  for (Index k = 0; k < static_cast<Index>(mass_.size()); ++k) mass_[k] = system.isHeld(k / 3) ? 0.0 : masses[k / 3];
+  const bool is_damped = system.damping() > 0.0;
+  mass_.resize(is_damped ? 3 * n : 0);
+  parallelFor(n, kPoints, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const bool is_held = system.isHeld(i);
+      std::fill_n(&kick_[3 * i], 3, is_held ? 0.0 : 0.5 * dt / masses[i]);
+      if (is_damped) std::fill_n(&mass_[3 * i], 3, is_held ? 0.0 : masses[i]);
+    }
+  });
   carried_.clear();
   carrying_work_ = stopping_work_ = 0.0;
   if (system.motionLimit() && !system.motionLimit()->parts().empty()) bearing_.begin(system);
@@ -285,9 +290,8 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     double* const position = state.positions.data()->data();
     const double* const from = limit ? before_.data()->data() : position;
     parallelFor(3 * n, kBlock, [&](Index begin, Index end) {
-      (s == 0 ? kickAndDrift : kickTwiceAndDrift)(end - begin, half_decay, &kick_[begin], &drift_[begin], force + begin,
-                                                  next + begin, from + begin, velocity + begin, predicted + begin,
-                                                  position + begin);
+      (s == 0 ? kickAndDrift : kickTwiceAndDrift)(end - begin, half_decay, dt, &kick_[begin], force + begin, next + begin,
+                                                  from + begin, velocity + begin, predicted + begin, position + begin);
     });
     for (const Carried& c : carried_) {
       state.positions[c.point] = Eigen::Map<const Vec3>(from + 3 * c.point) + dt * c.velocity;
@@ -325,7 +329,10 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       report.dissipated += (s + 1 == report.substeps ? once : twice) *
                            kineticEnergy(mass_, 1.0, kick_, ends ? forces_with_slow_ : forces_, state.velocities);
   }
-  kick(3 * n, half_decay, kick_.data(), (has_slow ? forces_with_slow_ : forces_).data()->data(), velocity);
+  const double* const last_force = (has_slow ? forces_with_slow_ : forces_).data()->data();
+  parallelFor(3 * n, kBlock, [&](Index begin, Index end) {
+    kick(end - begin, half_decay, &kick_[begin], last_force + begin, velocity + begin);
+  });
   if (stopped && !stopped->empty()) bearLastKick(system, dt, *stopped, has_slow ? forces_with_slow_ : forces_, state);
   if (!removeStoppingWork(system, state)) report.halted = report.substeps;
   for (const Carried& c : carried_) state.velocities[c.point] = c.velocity;

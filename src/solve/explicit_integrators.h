@@ -66,13 +66,13 @@ class VelocityVerlet : public Integrator {
     Vec3 place, force;      // m and N, at the end of a sub-step, slow forces left out
     Vec3 slow_place, slow;  // m and N, where slow forces acted last
   };
-  std::vector<Carried> carried_;      // held points in motion
-  double carrying_work_ = 0.0;        // J, of what carries them in the step
-  BearingParts bearing_;              // stopped: in the step
-  double stopping_work_ = 0.0;        // J, done in the step by limits of motion; negative: taken
-  Points before_;                     // m, at the beginning of a sub-step, where motion is limited
-  std::vector<double> kick_, drift_;  // (3 n) dt / 2 over mass, and dt; zero on held points
-  std::vector<double> mass_;          // (3 n) kg, zero on held points; empty without damping
+  std::vector<Carried> carried_;  // held points in motion
+  double carrying_work_ = 0.0;    // J, of what carries them in the step
+  BearingParts bearing_;          // stopped: in the step
+  double stopping_work_ = 0.0;    // J, done in the step by limits of motion; negative: taken
+  Points before_;                 // m, at the beginning of a sub-step, where motion is limited
+  std::vector<double> kick_;      // (3 n) dt / 2 over mass, zero on held points
+  std::vector<double> mass_;      // (3 n) kg, zero on held points; empty without damping
 };
 
 }  // namespace deformable_surface::solve

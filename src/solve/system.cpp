@@ -308,9 +308,10 @@ double System::roundingForce(double time, const State& state) const {
 }
 
 double System::largestRow(const std::vector<double>& bounds) const {
+  const std::vector<double>& mass = masses();
   double largest = 0.0;
   for (Index i = 0; i < size(); ++i)
-    if (!held_[i]) largest = std::max(largest, bounds[i] / masses()[i]);
+    if (!held_[i] && bounds[i] > 0.0) largest = std::max(largest, bounds[i] / mass[i]);
   return largest;
 }
 
