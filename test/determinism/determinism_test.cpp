@@ -89,6 +89,13 @@ SceneParams keptVolume() {
   return p;
 }
 
+// Triangles and curvature alone: no springs.
+SceneParams undampedSheet() {
+  SceneParams p = sheet(solve::IntegratorType::kVerlet);
+  p.material.spring_damping = 0.0;
+  return p;
+}
+
 // As in scenes/published.yaml.
 SceneParams published() {
   SceneParams p = sheet(solve::IntegratorType::kExplicitEuler);
@@ -121,6 +128,7 @@ std::function<void(Simulation&)> steps(int number) {
 
 const Case kCases[] = {
     {"Verlet", [] { return loadedSheet(solve::IntegratorType::kVerlet); }, false, steps(4)},
+    {"WithoutSpringDamping", undampedSheet, false, steps(4)},
     {"Implicit", [] { return loadedSheet(solve::IntegratorType::kImplicit, kFewPoints); }, false, steps(1)},
     {"Static", staticSheet, false, steps(1)},
     {"Resampling", stretchedSheet, false, steps(8)},
