@@ -143,6 +143,19 @@ Value parseAny(const std::string& text, const std::string& name) {
   }
 }
 
+// Sections that are left out have their defaults; the shape of a tool has none.
+void requireShapes(const Value& scene, std::vector<std::string>& problems) {
+  const Value* const tools = scene.isMap() ? scene.find("tools") : nullptr;
+  const Value::List* const list = tools ? tools->asList() : nullptr;
+  for (std::size_t i = 0; list && i < list->size(); ++i) {
+    if (!(*list)[i].isMap()) continue;
+    const Value* const shape = (*list)[i].find("shape");
+    if (!shape || shape->isNull())
+      problems.push_back("tools[" + std::to_string(i) +
+                         "].shape: missing; accepted: one of sphere, box, cylinder, cone, plane, mesh");
+  }
+}
+
 }  // namespace
 
 Value parseYaml(const std::string& text, const std::string& name) {
@@ -210,6 +223,7 @@ simulation::SceneParams readScene(const Value& value) {
   simulation::SceneParams params;
   params.notices = renameOldKeys(scene);
   std::vector<std::string> problems = readParams(scene, params);
+  requireShapes(scene, problems);
   if (!problems.empty()) throw InputError(std::move(problems));
   return params;
 }

@@ -127,6 +127,16 @@ TEST(ReadScene, NeedsAModelAndNothingElse) {
   EXPECT_EQ(problemOf(""), "accepted");
 }
 
+TEST(ReadScene, EveryToolNeedsAShape) {
+  const std::string path = "path: [{position: [0, 0, 0]}]";
+  for (const char* shape : {"", "shape: , ", "shape: null, "})
+    EXPECT_EQ(problemOf("tools: [{id: a, shape: {plane: {}}, " + path + "}, {id: b, " + shape + path + "}]"),
+              "tools[1].shape: missing; accepted: one of sphere, box, cylinder, cone, plane, mesh")
+        << shape;
+  EXPECT_EQ(problemOf("tools: [{id: a, shape: {}, " + path + "}]"),
+            "tools[0].shape: found 0 of sphere, box, cylinder, cone, plane and mesh; accepted: one");
+}
+
 TEST(ReadScene, NamesTheNearestKnownKey) {
   EXPECT_EQ(problemOf("material: {yung_modulus: 1}"),
             "material.yung_modulus: unknown key; the nearest known one is material.young_modulus");
