@@ -25,11 +25,11 @@ void Simulation::Impl::measureState() {
   const model::DeformableModel& model = now.model();
   statistics.points = static_cast<std::uint32_t>(input.positions.size());
   statistics.simulation_points = static_cast<std::uint32_t>(state.size());
-  statistics.links = static_cast<std::uint32_t>(stretchLinksOf(model).size() + bendLinksOf(model).size());
   statistics.awake = 0;
   for (Index i = 0; i < state.size(); ++i) statistics.awake += !now.held()[i] && now.activity().isMoving(i);
   statistics.kinetic_energy = now.system().kineticEnergy(state);
   statistics.elastic_energy = model.elasticEnergy(state);
+  statistics.links = static_cast<std::uint32_t>(stretchLinksOf(model).size() + bendLinksOf(model).size());  // now of this state
   statistics.potential_energy = now.system().loadPotential(now.time(), state) + now.loads().frictionEnergy(now.time(), state);
   statistics.max_stretch = maxStretchOf(model, state);
   double squared_speed = 0.0;

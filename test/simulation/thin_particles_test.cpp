@@ -3,6 +3,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/shapes.h"
+#include "deformable_surface/simulation/rest_surface.h"
 #include "particles.h"
 
 #include <gtest/gtest.h>
@@ -205,6 +206,68 @@ std::size_t countLinks(const Simulation& s) {
   const auto& model = static_cast<const model::OrientedParticles&>(s.model());
   model.refreshDisplay(s.state());
   return model.stretchLinks().size();
+}
+
+TEST(ThinParticles, StatisticsCountTheBondsThatAreThere) {
+  for (const char* change : {"torn", "cut", "erased"}) {
+    SCOPED_TRACE(change);
+    SceneParams p = fallingSheet(300);
+    p.gravity.setZero();
+    if (change == std::string("torn")) {
+      p = tornSheet();
+    } else {
+      tool::ToolParams tool;
+      tool.id = "tool";
+      const bool erases = change == std::string("erased");
+      tool.mode = erases ? tool::Mode::kErase : tool::Mode::kCut;
+      tool.shape.kind = geometry::Solid::Kind::kBox;
+      tool.shape.size = Vec3(erases ? 0.03 : 0.002, 0.2, 0.2);
+      tool.path = {{0.0, Vec3(0.003, -0.3, 0.0), {0.0, 0.0, 0.0, 1.0}}, {0.3, Vec3(0.003, 0.3, 0.0), {0.0, 0.0, 0.0, 1.0}}};
+      p.tools = {tool};
+    }
+    Simulation s(p, io::makeShape(p.cloud));
+    const std::uint32_t links = s.statistics().links;
+    EXPECT_GT(links, 2u * static_cast<std::uint32_t>(s.state().size()));
+    const std::string note = simulation::buildRestSurface(p, io::makeShape(p.cloud)).notes.back();
+    EXPECT_NE(note.find(" simulation points, " + std::to_string(links) + " links"), std::string::npos) << note;
+    const simulation::Snapshot saved = s.snapshot();
+    run(s, 50);
+    const std::uint32_t left = s.statistics().links;
+    EXPECT_LT(left, links);
+    EXPECT_EQ(left, countLinks(s));
+    s.restore(saved);
+    EXPECT_EQ(s.statistics().links, links);
+    s.reset();
+    EXPECT_EQ(s.statistics().links, links);
+  }
+}
+
+// Bonds as long as the particles are apart, and a ball of ten times of it.
+TEST(ThinParticles, ABallThatGoesThroughTheHoleThatItToreIsNotTooNarrow) {
+  SceneParams p = fallingSheet(600);
+  p.gravity.setZero();
+  p.cloud.size = Vec2(1.0, 0.7);
+  p.cloud.jitter = 0.0;
+  p.material.young_modulus = 1e4;
+  p.material.thickness = 0.002;
+  p.material.damping = 5.0;
+  p.material.bending_rigidity = 0.02;
+  p.oriented_particles.tear_strain = 0.2;
+  p.pins[0].region.min = Vec3(-0.45, -0.3, -1.0);
+  p.pins[0].region.max = Vec3(0.45, 0.3, 1.0);
+  p.pins[0].region.outside = true;
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.2;
+  const Vec4 still(0.0, 0.0, 0.0, 1.0);
+  ball.path = {{0.4, Vec3(0.0, 0.0, -0.3), still}, {1.4, Vec3(0.0, 0.0, 0.45), still}};
+  p.tools = {ball};
+  Simulation s(p, io::makeShape(p.cloud));
+  const std::uint32_t links = s.statistics().links;
+  std::string told;
+  for (int k = 0; k < 140; ++k) told += s.step().notice;
+  EXPECT_LT(s.statistics().links, links);
+  EXPECT_EQ(told.find("has passed through"), std::string::npos) << told;
 }
 
 // Half a period of its longest wave, about 0.03 s, after it was stretched the sheet is compressed.

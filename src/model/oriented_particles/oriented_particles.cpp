@@ -85,6 +85,8 @@ ApartPotential OrientedParticles::apartPotential() const {
 
 void OrientedParticles::adopt(const State& state) {
   lists_.forget();
+  links_.clear();
+  triangles_.clear();
   is_bent_ = params_.yield_curvature > 0.0 ||
              std::any_of(state.traits.begin(), state.traits.end(),
                          [](const ParticleTraits& traits) { return !traits.rest_curvature.isZero(0.0); });
@@ -108,7 +110,7 @@ double OrientedParticles::coolDown(double temperature, double time) const {
 // Updates lists and copies for this state; false if forces cannot be computed.
 bool OrientedParticles::prepare(const State& state) const {
   if (!lists_.update(state.positions, state.traits, kept_ ? ParticleCuts() : cuts_)) return false;
-  if (kept_ && !has_bonds_) bonds_.update(*kept_, state.traits, cuts_);
+  if (kept_ && !has_bonds_) particles::updateBonds(*kept_, state.traits, cuts_, bonds_, links_, triangles_);
   if (kept_ && (!has_bonds_ || strangers_of_ != lists_.numRebuilds())) listStrangers();
   has_bonds_ = true;
   strangers_of_ = lists_.numRebuilds();

@@ -11,6 +11,7 @@ namespace deformable_surface::model {
 namespace {
 
 using particles::normalOf;
+using particles::updateBonds;
 
 constexpr Index kBondBlock = 2048;  // some microseconds of work
 constexpr double kKeptSkin = 0.6;   // of the distance r0, with kept bonds, where few of those listed cost anything
@@ -76,7 +77,7 @@ double OrientedParticles::mostStretch() const { return params_.tear_strain > 0.0
 
 bool OrientedParticles::isAnyStretched(const State& state) const {
   if (!kept_) return false;
-  if (!has_bonds_) bonds_.update(*kept_, state.traits, cuts_);
+  if (!has_bonds_) updateBonds(*kept_, state.traits, cuts_, bonds_, links_, triangles_);
   const std::vector<KeptBonds::Bond>& bonds = bonds_.bonds();
   const double most = mostStretch();
   return parallelMax(static_cast<Index>(bonds.size()), kBondBlock, [&](Index begin, Index end) {

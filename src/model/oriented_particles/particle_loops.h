@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace deformable_surface::model {
 
@@ -18,6 +20,16 @@ constexpr double kTurn = 6.283185307179586;  // rad
 inline Vec3 normalOf(const Quaternion& q) {
   const double x = q.x(), y = q.y(), z = q.z(), w = q.w();
   return {2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)};
+}
+
+// The present bonds, with the links and triangles to show. All name particles by number, so they change together.
+inline void updateBonds(const KeptBonds& kept, const std::vector<ParticleTraits>& traits, const ParticleCuts& cuts,
+                        PresentBonds& present, std::vector<std::pair<Index, Index>>& links,
+                        std::vector<WeightedTriangle>& triangles) {
+  present.update(kept, traits, cuts);
+  links.clear();
+  for (const KeptBonds::Bond& bond : present.bonds()) links.emplace_back(std::min(bond.i, bond.j), std::max(bond.i, bond.j));
+  triangles = present.triangles();
 }
 
 }  // namespace particles

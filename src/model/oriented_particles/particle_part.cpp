@@ -1,6 +1,6 @@
 // Parts of a surface of oriented particles for sleeping: fewer particles with the same potentials, so that a step costs only the
 // part.
-#include "deformable_surface/model/oriented_particles/oriented_particles.h"
+#include "particle_loops.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@ namespace deformable_surface::model {
 bool OrientedParticles::followPartners(const State& state) {
   partners_.forget();
   // The state may have no orientations.
-  if (kept_ && !has_bonds_) bonds_.update(*kept_, state.traits, cuts_);
+  if (kept_ && !has_bonds_) particles::updateBonds(*kept_, state.traits, cuts_, bonds_, links_, triangles_);
   has_partners_ = partners_.update(state.positions, state.traits);
   return true;
 }

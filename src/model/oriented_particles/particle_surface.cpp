@@ -19,14 +19,11 @@ constexpr double kLongestEdge = 1.75;
 }  // namespace
 
 void OrientedParticles::refreshDisplay(const State& state) const {
+  const bool is_known = prepare(state);
+  if (kept_) return;  // they follow the bonds
   links_.clear();
   triangles_.clear();
-  if (!prepare(state)) return;
-  if (kept_) {
-    for (const KeptBonds::Bond& bond : bonds_.bonds()) links_.emplace_back(std::min(bond.i, bond.j), std::max(bond.i, bond.j));
-    triangles_ = bonds_.triangles();
-    return;
-  }
+  if (!is_known) return;
   Points normals;
   normals.reserve(state.orientations.size());
   for (const Quaternion& q : state.orientations) normals.push_back(normalOf(q));

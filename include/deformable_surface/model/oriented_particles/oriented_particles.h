@@ -114,7 +114,7 @@ class OrientedParticles : public DeformableModel,
   void computeVolumeGradient(const State& state, Points& gradient) const override;
   double maxStretch(const State& state) const override;
   void computePointStrain(const State& state, std::vector<double>& strain) const override;
-  /// From the last refreshDisplay(), like the triangles.
+  /// Like the triangles, of the last refreshDisplay(), none after adopt(); with kept bonds, of the state asked about last.
   const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return links_; }
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
   const std::vector<WeightedTriangle>& triangles() const override { return triangles_; }
