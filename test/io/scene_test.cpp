@@ -137,6 +137,23 @@ TEST(ReadScene, EveryToolNeedsAShape) {
             "tools[0].shape: found 0 of sphere, box, cylinder, cone, plane and mesh; accepted: one");
 }
 
+TEST(ReadScene, TellsHowFarBondsOfParticlesMayBeToldToStretch) {
+  const auto problem = [](const std::string& options) {
+    const std::vector<std::string> problems = problemsOf("{model: oriented_particles, oriented_particles: {" + options + "}}");
+    return problems.empty() ? "accepted" : problems[0];
+  };
+  const std::string free = problem("tear_strain: 0.42"), most = free.substr(free.find("up to ") + 6, 6);
+  EXPECT_EQ(free, "oriented_particles.tear_strain: found 0.42; accepted: up to " + most +
+                      ", where bonds of these exponents and this cutoff carry most");
+  EXPECT_EQ(problem("tear_strain: " + most), "accepted");
+  EXPECT_NE(problem("tear_strain: " + most + "9"), "accepted");
+  EXPECT_EQ(problem("bonds: kept, tear_strain: 0.6"), "accepted");
+  EXPECT_EQ(
+      problem("bonds: kept, tear_strain: 0.61"),
+      "oriented_particles.tear_strain: found 0.61; accepted: up to 0.6, the strain at the cutoff, beyond which no bond holds");
+  EXPECT_EQ(problem("bonds: kept, cutoff: 1.9, tear_strain: 0.9"), "accepted");
+}
+
 TEST(ReadScene, NamesTheNearestKnownKey) {
   EXPECT_EQ(problemOf("material: {yung_modulus: 1}"),
             "material.yung_modulus: unknown key; the nearest known one is material.young_modulus");

@@ -1,6 +1,8 @@
 #include "deformable_surface/model/oriented_particles/lattice.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/model/oriented_particles/tear_strain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,12 +79,19 @@ void setCutoff(double cutoff, PairPotentials& unit) {
   unit.switch_begin = 0.5 * (1.0 + cutoff);
 }
 
-// Shortens the cutoff until bonds carry most at this stretch.
+// The potentials for r0 = 1.
+PairPotentials makeUnit(const OrientedParticlesParams& params) {
+  PairPotentials unit;
+  unit.repulsion = static_cast<int>(params.exponents[0]);
+  unit.attraction = static_cast<int>(params.exponents[1]);
+  unit.depth = unit.distance = 1.0;
+  setCutoff(params.cutoff, unit);
+  return unit;
+}
+
+// Shortens the cutoff until bonds carry most at this stretch, unless they already do at a smaller one.
 void shortenTo(double tear_strain, PairPotentials& unit) {
-  const double most = findStrongestStretch(unit);
-  if (!(tear_strain <= most))
-    throw InputError("oriented_particles.tear_strain: found " + formatReal(tear_strain) + "; accepted: up to " +
-                     formatShort(most) + ", where bonds of these exponents and this cutoff carry most");
+  if (!(tear_strain < findStrongestStretch(unit))) return;
   double low = 1.0 + tear_strain, high = unit.cutoff;
   for (int k = 0; k < 30; ++k) {
     setCutoff(0.5 * (low + high), unit);
@@ -92,16 +101,29 @@ void shortenTo(double tear_strain, PairPotentials& unit) {
 
 }  // namespace
 
+double findMostTearStrain(const OrientedParticlesParams& params) {
+  constexpr double kDigits = 1e4, kRounding = 1e-6;  // the number in a message is accepted itself, and 1.6 - 1 is 0.6
+  const double most = params.bonds == ParticleBonds::kKept ? params.cutoff - 1.0 : findStrongestStretch(makeUnit(params));
+  return std::floor(kDigits * most + kRounding) / kDigits;
+}
+
+std::string findTearStrainProblem(const OrientedParticlesParams& params) {
+  if (params.tear_strain == 0.0) return "";
+  const double most = findMostTearStrain(params);
+  if (params.tear_strain <= most) return "";
+  const std::string reason = params.bonds == ParticleBonds::kKept ? ", the strain at the cutoff, beyond which no bond holds"
+                                                                  : ", where bonds of these exponents and this cutoff carry most";
+  return "found " + formatReal(params.tear_strain) + "; accepted: up to " + formatReal(most) + reason;
+}
+
 Lattice calibrateLattice(double spacing, const MaterialParams& material, const OrientedParticlesParams& params) {
   if (!(spacing > 0.0 && spacing <= kMaxLength))
     throw InputError("oriented_particles.spacing: found " + formatReal(spacing) + " m; accepted: above 0, to " +
                      formatReal(kMaxLength) + " m");
   const bool is_row = params.mode == ParticleMode::kPlane;
-  PairPotentials unit;
-  unit.repulsion = static_cast<int>(params.exponents[0]);
-  unit.attraction = static_cast<int>(params.exponents[1]);
-  unit.depth = unit.distance = 1.0;
-  setCutoff(params.cutoff, unit);
+  const std::string problem = findTearStrainProblem(params);
+  if (!problem.empty()) throw InputError("oriented_particles.tear_strain: " + problem);
+  PairPotentials unit = makeUnit(params);
   if (params.tear_strain > 0.0) shortenTo(params.tear_strain, unit);
 
   Lattice lattice;

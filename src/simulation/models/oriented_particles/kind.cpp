@@ -1,6 +1,7 @@
 #include "kind.h"
 
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
+#include "deformable_surface/model/oriented_particles/tear_strain.h"
 
 #include <utility>
 
@@ -32,6 +33,8 @@ class OrientedParticlesKind : public ModelKind {
     const IntegratorType type = p.integrator.type;
     const bool has_method = type == IntegratorType::kAuto || type == IntegratorType::kVerlet || type == IntegratorType::kStatic;
     fields.require(has_method, "integrator.type", "found one that oriented_particles has not; accepted: auto, verlet, static");
+    const std::string tear_problem = model::findTearStrainProblem(p.oriented_particles);
+    fields.require(tear_problem.empty(), "oriented_particles.tear_strain", tear_problem);
   }
   tool::ModeUse useOf(const tool::ModeInfo& mode) const override {
     switch (mode.mode) {
