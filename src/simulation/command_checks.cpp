@@ -68,9 +68,20 @@ void checkCommand(const command::SetGravity& c, const Dynamics&) {
   if (!c.gravity.allFinite()) throw InputError("gravity: found a value that is not finite; accepted: finite numbers");
 }
 
+// Why the material of a running surface cannot change so; empty if it can.
+std::string findChangeProblem(const SceneParams& now, const MaterialChangeParams& change) {
+  if (findModel(now.model).traits().has_regions) return findMaterialProblem(now, change);
+  const char* const name = !change.young_modulus.is_auto      ? "young_modulus"
+                           : !change.bending_rigidity.is_auto ? "bending_rigidity"
+                                                              : "density";
+  return std::string(name) + ": found a change, but of the material of " + now.model +
+         " only the damping changes while a surface runs; accepted: changes of damping, or model: " +
+         listModels(&ModelTraits::has_regions);
+}
+
 void checkCommand(const command::SetMaterial& c, const Dynamics& dynamics) {
   std::vector<std::string> problems = checkParams(c.change);
-  const std::string problem = findMaterialProblem(dynamics.params(), c.change);
+  const std::string problem = findChangeProblem(dynamics.params(), c.change);
   if (!problem.empty()) problems.push_back(problem);
   refuse(std::move(problems));
 }
@@ -92,8 +103,8 @@ void checkCommand(const command::SetParams& c, const Dynamics& dynamics) {
   if (c.params.material.young_modulus == now.material.young_modulus) return;
   MaterialChangeParams stiffness;
   stiffness.young_modulus = c.params.material.young_modulus;
-  const std::string problem = findMaterialProblem(now, stiffness);
-  if (!problem.empty()) throw InputError("material.young_modulus: " + problem);
+  const std::string problem = findChangeProblem(now, stiffness);
+  if (!problem.empty()) throw InputError("material." + problem);
 }
 
 void checkCommand(const command::Observe&, const Dynamics& dynamics) {

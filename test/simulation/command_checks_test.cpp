@@ -58,5 +58,31 @@ TEST(CommandChecks, RefuseWhatCannotBeDoneAndChangeNothing) {
   simulation::check(command::RemoveTool{"none"}, sheet);
 }
 
+// No region is named, so none is spoken of.
+TEST(CommandChecks, TellWhichMaterialOfParticlesAndSolidsChangesWhileTheyRun) {
+  simulation::SceneParams params;
+  params.model = "oriented_particles";
+  params.material.bending_rigidity = 1e-2;
+  const simulation::Dynamics particles(params, simulation::buildRestSurface(params, sheetCloud(15)));
+  simulation::SceneParams stiffer = particles.params();
+  stiffer.material.young_modulus *= 2.0;
+  simulation::MaterialChangeParams heavier;
+  heavier.density = 500.0;
+  const std::string reason =
+      ": found a change, but of the material of oriented_particles only the damping changes while a surface runs; accepted: "
+      "changes of damping, or model: mass_spring";
+  const std::vector<std::pair<Command, std::string>> refused = {{command::SetParams{stiffer}, "material.young_modulus" + reason},
+                                                                {command::SetMaterial{{}, heavier}, "density" + reason}};
+  for (const auto& [given, said] : refused) {
+    try {
+      simulation::check(given, particles);
+      ADD_FAILURE() << "accepted: " << said;
+    } catch (const InputError& problem) {
+      EXPECT_EQ(std::string(problem.what()), said);
+    }
+  }
+  simulation::check(command::SetDamping{3.0}, particles);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
