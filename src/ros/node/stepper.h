@@ -41,7 +41,7 @@ struct StepperStatus {
   int commands_waiting = 0, commands_dropped = 0;
   std::string silent_tools;     // ids
   bool has_snapped = false;     // see Simulation::hasSnapped()
-  double lag = 0.0;             // s that the next step is late
+  double lag = 0.0;             // s that the next step is late; 0 where none is due, as in a pause
   double time_let_go = 0.0;     // s of the ROS clock for which no steps were taken, since they took too long
   double time_in_calls = 0.0;   // the same, since a call of a service did
   double time_in_builds = 0.0;  // from the stamps of clouds to the first steps of the surfaces made from them

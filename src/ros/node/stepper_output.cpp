@@ -85,7 +85,7 @@ StepperStatus Stepper::status() const {
     status.step = simulation_->stepCount();
     status.accuracy = simulation_->accuracyChoice().sentence;
     status.has_snapped = simulation_->hasSnapped();
-    status.lag = isLockstep() ? 0.0 : std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
+    if (isDue() && !isLockstep()) status.lag = toSeconds(now_ - schedule_.begin(status.step + 1));
   }
   if (is_failed_) {
     status.state = "stopped by a failed step";

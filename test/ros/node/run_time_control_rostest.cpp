@@ -136,6 +136,14 @@ TEST_F(RunTimeControlTest, ARestoredSurfaceGoesOnBitForBitWithItsForcesAndToolsI
   EXPECT_TRUE(waitUntil([&] { return client_->diagnostic("step") > steps + 10; })) << process_->output();
 }
 
+TEST_F(RunTimeControlTest, ASurfaceThatIsPausedDoesNotLag) {
+  const ros::WallTime begin = ros::WallTime::now();
+  const ros::WallDuration two_reports(2.5);  // the diagnostics come once a second
+  ASSERT_TRUE(waitUntil([&] { return ros::WallTime::now() - begin > two_reports; }));
+  EXPECT_EQ(client_->diagnosticText("state"), "paused");
+  EXPECT_EQ(client_->diagnostic("lag (s)"), 0.0);
+}
+
 TEST_F(RunTimeControlTest, ListsWhatThereIsAndRefusesNamesThatAreNot) {
   EXPECT_TRUE(keep("a").success);
   ASSERT_TRUE(client_->step(1).success);
