@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 
@@ -143,6 +144,12 @@ Value parseAny(const std::string& text, const std::string& name) {
   }
 }
 
+// "tools[0].friction", as messages name it, as "tools.0.friction".
+std::string toDots(const std::string& path) {
+  static const std::regex kItem("\\[([^\\[\\].]*)\\](?=[.\\[]|$)");
+  return std::regex_replace(path, kItem, ".$1");
+}
+
 // Sections that are left out have their defaults; the shape of a tool has none.
 void requireShapes(const Value& scene, std::vector<std::string>& problems) {
   const Value* const tools = scene.isMap() ? scene.find("tools") : nullptr;
@@ -194,7 +201,7 @@ void setByPath(Value& root, const std::string& assignment) {
 
   // Down the path, making maps where there is nothing yet.
   Value* place = &root;
-  std::istringstream path(assignment.substr(0, equals));
+  std::istringstream path(toDots(assignment.substr(0, equals)));
   std::string key;
   std::size_t depth = 0;
   while (std::getline(path, key, '.')) {

@@ -375,11 +375,15 @@ TEST(SetByPath, OverridesAndAdds) {
   Value scene = parseYaml(kFullScene, "test.yaml");
   setByPath(scene, "integrator.time_step=2e-3");
   setByPath(scene, "forces.1.force=[1, 2, 3]");
+  setByPath(scene, "forces[1].radius=0.5");
+  setByPath(scene, "tools[0].path[0].position[2]=7");
   setByPath(scene, "frame_id=map");
   setByPath(scene, "save_directory=");
   const SceneParams params = readScene(scene);
   EXPECT_EQ(params.integrator.time_step, 2e-3);
   EXPECT_EQ(params.forces[1].force, Vec3(1, 2, 3));
+  EXPECT_EQ(params.forces[1].radius, 0.5);
+  EXPECT_EQ(params.tools[0].path[0].position.z(), 7.0);
   EXPECT_EQ(params.frame_id, "map");
   EXPECT_EQ(params.save_directory, "");
 
@@ -392,8 +396,8 @@ TEST(SetByPath, OverridesAndAdds) {
 
 TEST(SetByPath, RefusesWhatIsNoAssignment) {
   Value scene = parseYaml(kFullScene, "test.yaml");
-  for (const char* text :
-       {"", "duration", "=1", "a..b=1", "forces.2.id=x", "forces.x.id=y", "duration.x=1", "duration=[1", "duration=*a"}) {
+  for (const char* text : {"", "duration", "=1", "a..b=1", "forces.2.id=x", "forces.x.id=y", "forces[2].id=x", "forces[-1].id=x",
+                           "[0].id=x", "duration.x=1", "duration=[1", "duration=*a"}) {
     EXPECT_THROW(setByPath(scene, text), InputError) << text;
   }
 }

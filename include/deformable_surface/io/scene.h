@@ -16,8 +16,8 @@ Value parseYaml(const std::string& text, const std::string& name);
 /// The same for a file. Also throws if it cannot be read or is larger than any scene.
 Value loadYamlFile(const std::string& path);
 
-/// Sets one value by "dotted.path=YAML value", e.g. "integrator.time_step=0.002" or "forces.0.radius=0.1". List items are counted
-/// from 0 and must exist. Nothing after the = means the empty text. Throws InputError; readScene() finds unknown keys.
+/// Sets one value by "path=YAML value", e.g. "integrator.time_step=0.002", "forces.0.radius=0.1" or "forces[0].radius=0.1". List
+/// items, from 0, must exist. Nothing after the = means the empty text. Throws InputError; readScene() finds unknown keys.
 void setByPath(Value& root, const std::string& assignment);
 
 /// The scene that a map describes. Keys may have the names of the version before (SceneParams::notices). Throws InputError with

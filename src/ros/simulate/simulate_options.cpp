@@ -161,7 +161,7 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
 std::string describeOptions() {
   return "simulate SCENE.yaml [options]\n"
          "Runs a scene without a roscore, as fast as possible.\n\n"
-         "  --set KEY=VALUE       override one scene value by its dotted path, e.g. integrator.time_step=0.002; repeatable\n"
+         "  --set KEY=VALUE       override one scene value by its dotted path, e.g. tools[0].friction=0.2; repeatable\n"
          "  --duration S          simulated seconds, a multiple of the time step (else the scene's duration)\n"
          "  --final FILE          the full cloud after the last step, with normals; .ply or .pcd\n"
          "  --filtered FILE       the first cloud of the input, with a field that names the input.filter that removed each\n"
