@@ -3,11 +3,24 @@
 #include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/timer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "nested_start.h"
 
 namespace deformable_surface::simulation {
+namespace {
+
+// Knives cut; links that are too long tear.
+std::string describeCut(const Dynamics& dynamics) {
+  const std::vector<tool::ToolParams>& tools = dynamics.tools();
+  const bool has_knife =
+      std::any_of(tools.begin(), tools.end(), [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; });
+  const bool may_tear = dynamics.params().mass_spring.tear_strain > 0.0;
+  return std::string("the surface is ") + (!has_knife ? "torn" : may_tear ? "cut or torn" : "cut");
+}
+
+}  // namespace
 
 EstimatedDynamics::EstimatedDynamics(const EstimatedDynamics& other, bool to_look)
     : dynamics_(other.dynamics_->fork(to_look)),
@@ -103,7 +116,7 @@ void EstimatedDynamics::estimate(Outcome& outcome) {
   const std::string notice = estimator_->follow(*dynamics_, outcome.has_cut || has_left);
   if (was_finite && (outcome.has_cut || has_left))
     appendNotice(outcome.notice,
-                 std::string(outcome.has_cut ? "the surface is cut" : "particles are torn apart, heated, added or removed") +
+                 (outcome.has_cut ? describeCut(*dynamics_) : "particles are torn apart, heated, added or removed") +
                      ", which its coarser copies do not follow: there is no error estimate until the next reset");
   appendNotice(outcome.notice, notice);
   estimator_->learnBalance(dynamics_->params().integrator.type != solve::IntegratorType::kStatic || outcome.report.converged);
