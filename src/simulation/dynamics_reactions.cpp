@@ -111,7 +111,8 @@ std::optional<Jam> Dynamics::findJam() const {
   for (const Contact& contact : contacts()) {
     const tool::ToolParams& tool = tools_[contact.tool];
     const bool moves = !tool::findMotion(tool.path, time()).velocityAt(contact.position).isZero(0.0);
-    if (!contact.force.isZero(0.0)) add(contact.point, "tool " + quote(tool.id), Act::kPushes, moves);
+    const Act act = tool.mode == tool::Mode::kAttract ? Act::kPulls : Act::kPushes;
+    if (!contact.force.isZero(0.0)) add(contact.point, "tool " + quote(tool.id), act, moves);
   }
   for (const tool::ToolParams& tool : tools_) {
     if (!tool::isPushing(tool) || !tool::isActive(tool, time())) continue;

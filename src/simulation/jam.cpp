@@ -19,6 +19,7 @@ std::string list(const std::vector<Jam::Actor>& actors) {
     if (k > 0) text += k + 1 == named && more == 0 ? " and " : ", ";
     text += (actor.moves ? "moving " : "resting ") + actor.name +
             (actor.act == Jam::Actor::Act::kPushes  ? " pushes"
+             : actor.act == Jam::Actor::Act::kPulls ? " pulls"
              : actor.act == Jam::Actor::Act::kHolds ? " holds"
                                                     : " is near");
   }

@@ -59,6 +59,22 @@ TEST(Jam, PlatesThatCloseAreNamedAndPinsAreNot) {
   }
 }
 
+// Pins press the layers together, and a magnet above them reaches all of their points.
+TEST(Jam, AToolThatAttractsPullsAndDoesNotPush) {
+  SceneParams p = pressedByPins(Type::kVerlet);
+  tool::ToolParams magnet;
+  magnet.id = "magnet";
+  magnet.mode = tool::Mode::kAttract;
+  magnet.shape.radius = 0.01;
+  magnet.strength = 1e-3;
+  magnet.reach = 0.2;
+  magnet.path = {{0.0, Vec3(0.03, 0.03, 0.06), kStill}};
+  p.tools = {magnet};
+  const Told told = runScene(p, 2, 0.3);
+  ASSERT_GT(told.stopped, 5);
+  EXPECT_TRUE(has(joinLines(told), "resting tool 'magnet' pulls")) << joinLines(told);
+}
+
 TEST(Jam, PinsThatPressAreNamedOnceAndTheEndIsTold) {
   for (const Type type : {Type::kVerlet, Type::kImplicit}) {
     const Told told = runScene(pressedByPins(type), 2, 2.0);
@@ -105,6 +121,9 @@ TEST(Jam, TheSentenceNamesWhatIsNearElseWhatActsOnTheSamePartElseNothing) {
   EXPECT_EQ(describeJam(jam), where + "where moving tool 'a' is near and resting pins[0] holds");
   jam.actors[0].act = Jam::Actor::Act::kPushes;
   EXPECT_EQ(describeJam(jam), where + "where moving tool 'a' pushes and resting pins[0] holds");
+  jam.actors[0].act = Jam::Actor::Act::kPulls;
+  EXPECT_EQ(describeJam(jam), where + "where moving tool 'a' pulls and resting pins[0] holds");
+  jam.actors[0].act = Jam::Actor::Act::kPushes;
   for (int k = 1; k <= 4; ++k) jam.actors.push_back({"pins[" + std::to_string(k) + "]", Jam::Actor::Act::kHolds, false});
   EXPECT_TRUE(has(describeJam(jam), ", resting pins[2] holds and 2 more act")) << describeJam(jam);
 }
