@@ -16,7 +16,7 @@ using tool::Mode;
 using tool::ToolParams;
 
 // Its tree is rebuilt for every message that adds or moves the tool: about ten milliseconds.
-constexpr std::size_t kMaxMeshTriangles = 20000;
+constexpr std::size_t kMaxMeshTriangles = 20000, kMinMeshTriangles = 4;  // fewer enclose nothing
 
 // Rounding of times must not make a tool late by a step.
 constexpr double kRounding = 1e-6;    // of a step
@@ -74,9 +74,9 @@ Solid toSolid(const shape_msgs::Plane& plane) {
 }
 
 Solid toSolid(const shape_msgs::Mesh& mesh) {
-  if (mesh.triangles.size() > kMaxMeshTriangles)
-    throw InputError("mesh.triangles: found " + std::to_string(mesh.triangles.size()) + "; accepted: up to " +
-                     std::to_string(kMaxMeshTriangles));
+  if (mesh.triangles.size() < kMinMeshTriangles || mesh.triangles.size() > kMaxMeshTriangles)
+    throw InputError("mesh.triangles: found " + std::to_string(mesh.triangles.size()) +
+                     "; accepted: " + std::to_string(kMinMeshTriangles) + " to " + std::to_string(kMaxMeshTriangles));
   Points vertices, triangles;
   for (const geometry_msgs::Point& v : mesh.vertices) vertices.emplace_back(v.x, v.y, v.z);
   for (const shape_msgs::MeshTriangle& t : mesh.triangles)

@@ -171,7 +171,7 @@ TEST_F(ToolCommandsTest, RefuseWhatMeansNothingAndKeepWhatThereIs) {
       {[](Tool& t) { t.action = 1; }, "action: found 1"},
       {[](Tool& t) { t.mode = 6; }, "mode: found 6"},
       {[](Tool& t) { t.mode = Tool::ERASE; }, "mode"},  // a sheet of springs has no particles
-      {[](Tool& t) { t.shape = Tool::MESH; }, "mesh: found 0 triangles"},
+      {[](Tool& t) { t.shape = Tool::MESH; }, "mesh.triangles: found 0; accepted: 4 to 20000"},
       {[](Tool& t) {
          t.shape = Tool::MESH;
          t.mesh = makeTetrahedron();
