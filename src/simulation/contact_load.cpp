@@ -44,7 +44,7 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
 
 constexpr double kAhead = 30.0;    // time over 1 / rate, in which a portion of sub-steps passes (solve/time_march.cpp)
 constexpr double kDeeper = 0.01;   // of the radius of a cell: less is not deeper
-constexpr double kInstant = 1e-3;  // of a step: over which a potential is taken to be quadratic in time
+constexpr double kInstant = 1e-9;  // of a step: paths may bend where it ends
 constexpr double kSettled = 0.01;  // of the largest growth: smaller changes need no new equilibrium
 
 bool isBelow(const ContactLoad::Pressed& a, Index point) { return a.point < point; }
@@ -115,7 +115,9 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     endIfInterrupted(i, kLook);
     // Most points are far from most tools, and are skipped here.
     const bool is_passed = passed != body.passed.end() && passed->point == i;
-    const double growth = pressed != body.pressed.end() && pressed->point == i ? pressed++->growthAt(time) : 0.0;
+    const bool is_pressed = pressed != body.pressed.end() && pressed->point == i;
+    const double growth = is_pressed ? pressed->growthAt(time) : 0.0;
+    double returning = is_pressed ? pressed++->withdrawal.rateAt(time) : 0.0;
     const double squared_distance = (positions[i] - pose.position).squaredNorm();
     double reach = 0.0;
     if (between && mayTouchBetween(tool.shape, *between, i)) {
@@ -131,14 +133,17 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
       const Vec3 place = pose.orientation.conjugate() * (positions[i] - pose.position);
       const tool::Entry& entry = passed->entry;
       is_held_up = !state.hasEscaped(static_cast<Index>(b), i) && tool::isHeldUp(tool.shape, entry, place, d);
-      if (is_held_up) d = {entry.heightOf(place) + passed->withdrawal.at(time), pose.orientation * entry.normal};
+      if (is_held_up) {
+        d = {entry.heightOf(place) + passed->withdrawal.at(time), pose.orientation * entry.normal};
+        returning = passed->withdrawal.rateAt(time);
+      }
       ++passed;
     }
     double stiffness = per_mass * points_.massOf(i);
     if (!pushing) {
       if (!(std::abs(d.distance) < tool.reach)) continue;
       const double force = stiffness * attractionForce(d.distance, tool.reach);
-      touches.push_back({i, positions[i], d.distance, d.normal, force * d.normal, 0.0, stiffness, 1.0});
+      touches.push_back({i, positions[i], d.distance, d.normal, force * d.normal, 0.0, stiffness, 1.0, 0.0});
       continue;
     }
     const double depth = (is_held_up ? 0.0 : growth) - d.distance;
@@ -147,7 +152,8 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     const double softness = stiffness > pad ? pad / stiffness : 1.0;
     if (softness == 0.0) continue;  // inside a body
     stiffness = std::min(stiffness, pad);
-    touches.push_back({i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness});
+    touches.push_back(
+        {i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
   }
   if (between) listTouchesBetween(body, time, pose, positions, largest_growth, touches);
 }
@@ -167,6 +173,7 @@ void ContactLoad::listTouchesBetween(const Body& body, double time, const tool::
       if (between.isSpare(s) && !is_pressed) continue;
       endIfInterrupted(looked++, kLook);
       const double growth = is_pressed ? pressed->growthAt(time) : 0.0;
+      const double returning = is_pressed ? pressed->withdrawal.rateAt(time) : 0.0;
       const bool is_alone = is_pressed && !grows_;
       const Vec3 position = points_.place(p, positions);
       const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, std::max(growth, 0.0));
@@ -174,7 +181,7 @@ void ContactLoad::listTouchesBetween(const Body& body, double time, const tool::
       if (!(depth > 0.0)) continue;
       const double own = rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p)), pad = padOf(p, true);
       const double stiffness = std::min(own, pad), softness = own > pad ? pad / own : 1.0;
-      touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness});
+      touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
     }
 }
 
@@ -351,10 +358,15 @@ double ContactLoad::potential(double time, const model::State& state) const {
   return sum;
 }
 
-// By a difference backward in time, of second order: paths may bend where a step ends.
+// The tool's motion is that at the end of the step.
 double ContactLoad::drivingPower(double time, double step, const model::State& state) const {
-  const double d = kInstant * step, now = potential(time, state);
-  return (3.0 * now - 4.0 * potential(time - d, state) + potential(time - 2.0 * d, state)) / (2.0 * d);
+  double power = 0.0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const tool::Motion motion = tool::findMotion(bodies_[b].tool.path, time - kInstant * step);
+    for (const Touch& touch : findTouches(b, time, state))
+      power += touch.force.dot(motion.velocityAt(touch.position)) + touch.stiffness * touch.pressed * touch.returning;
+  }
+  return power;
 }
 
 double ContactLoad::storedEnergy(double time, const model::State& state) const {

@@ -78,6 +78,8 @@ class ContactLoad : public solve::ExternalLoad {
     double at(double time) const {
       return way > 0.0 ? std::max(0.0, way * std::exp((begins - time) / kEase) - (time - begins) * speed) : 0.0;
     }
+    /// How fast it falls, m/s.
+    double rateAt(double time) const { return at(time) > 0.0 ? way / kEase * std::exp((begins - time) / kEase) + speed : 0.0; }
     /// The same from a time on, with a point at a depth (m) that it follows, and the speed of the tool there (m/s).
     Withdrawal goOn(double time, double depth, double tool_speed) const {
       const double now = at(time);
@@ -209,6 +211,7 @@ class ContactLoad : public solve::ExternalLoad {
     double pressed;    // m, of the contact spring: depth and growth; 0 for tools that attract
     double stiffness;  // N/m, of the contact spring, or of attraction where it is stiffest
     double softness;   // of the contact spring, 0 to 1: its stiffness over that without a pad
+    double returning;  // m/s, of the tool's surface towards the point, beside the tool's motion: see Withdrawal
   };
   /// The touches of one body, for every point that it acts on, ascending. Valid until the next call with another time or other
   /// positions. Computed once for all callers.
