@@ -24,43 +24,53 @@ std::array<Vec2, 3> findShapeGradients(const Mat2& inverse) {
 // Of the corners (0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2) of a triangle, N/m.
 using CornerBlocks = std::array<Mat3, 6>;
 
-// No eigenvalue is below `lowest`.
+// A function of a symmetric matrix with these eigenvalues, in its directions, from the values at the larger and the smaller one.
+// radius: half their difference; mean: half their sum.
+Mat2 makeTensor(const Mat2& symmetric, double mean, double radius, double at_larger, double at_smaller) {
+  const double slope = radius > 0.0 ? 0.5 * (at_larger - at_smaller) / radius : 0.0;
+  return slope * (symmetric - mean * Mat2::Identity()) + 0.5 * (at_larger + at_smaller) * Mat2::Identity();
+}
+
+// No eigenvalue is below `lowest`. d2W/dF2 has these eigenvectors (unit, 3 x 2) beside a plain 2 mu on the two remaining strains:
+// R / sqrt 2 (dilation), R turned (spin in the plane), and n v^T (tilt out of the plane) for the principal directions v.
 void computeBlocks(const Mat32& F, const Mat2& inverse, double area, double mu, double lambda, double lowest, Index element,
                    CornerBlocks& blocks) {
   const Polar p = decompose(F, element);
-
-  // Principal stretches and directions: S = R^T F is symmetric.
-  const Mat2 S = p.rotation.transpose() * F;
+  // The principal stretches are the eigenvalues of the symmetric S = R^T F.
+  Mat2 S = p.rotation.transpose() * F;
+  S(0, 1) = S(1, 0) = 0.5 * (S(0, 1) + S(1, 0));
   const double mean = 0.5 * (S(0, 0) + S(1, 1)), difference = 0.5 * (S(0, 0) - S(1, 1));
-  const double offdiagonal = 0.5 * (S(0, 1) + S(1, 0));
-  const double radius = std::hypot(difference, offdiagonal);
-  const double angle = 0.5 * std::atan2(offdiagonal, difference);
-  const Vec2 v[2] = {Vec2(std::cos(angle), std::sin(angle)), Vec2(-std::sin(angle), std::cos(angle))};
-  const double stretch[2] = {mean + radius, mean - radius};
-
-  // d2W/dF2 has these eigenvectors (unit, 3 x 2) beside a plain 2 mu on the two remaining strains: R / sqrt 2 (dilation), R
-  // turned (spin in the plane), and n v_k^T (tilt out of the plane). c is the effect of the rotation's change.
+  const double radius = std::sqrt(difference * difference + S(0, 1) * S(0, 1));
+  // c is the effect of the rotation's change.
   const double c = 2.0 * mu - lambda * (p.trace - 2.0);
   const double spin = std::max(lowest, 2.0 * mu - (p.trace > 0.0 ? 2.0 * c / p.trace : 0.0)) - 2.0 * mu;
-  Mat2 turn;
-  turn << 0.0, -1.0, 1.0, 0.0;
-  const Mat32 spin_mode = p.rotation * turn / std::sqrt(2.0), dilation_mode = p.rotation / std::sqrt(2.0);
-  double tilt[2];
-  for (int k = 0; k < 2; ++k) tilt[k] = std::max(lowest, 2.0 * mu - (stretch[k] > 1e-9 ? c / stretch[k] : 0.0)) - 2.0 * mu;
+  const auto findTilt = [&](double stretch) {
+    return std::max(lowest, 2.0 * mu - (stretch > 1e-9 ? c / stretch : 0.0)) - 2.0 * mu;
+  };
+  const Mat2 tilt = makeTensor(S, mean, radius, findTilt(mean + radius), findTilt(mean - radius));
 
-  // Shape function gradients of the corners in the plane at rest.
-  Vec2 g[3];
-  g[1] = inverse.row(0);
-  g[2] = inverse.row(1);
-  g[0] = -g[1] - g[2];
-  for (int a = 0, place = 0; a < 3; ++a)
-    for (int b = 0; b <= a; ++b) {
-      Mat3 block = 2.0 * mu * g[a].dot(g[b]) * Mat3::Identity();
-      block += 2.0 * lambda * (dilation_mode * g[a]) * (dilation_mode * g[b]).transpose();
-      block += spin * (spin_mode * g[a]) * (spin_mode * g[b]).transpose();
-      for (int k = 0; k < 2; ++k) block += tilt[k] * v[k].dot(g[a]) * v[k].dot(g[b]) * p.normal * p.normal.transpose();
-      blocks[place++] = area * block;
-    }
+  // Of the second and the third corner: the gradient g of the shape function at rest, and R g along the two modes in the plane.
+  const Vec2 g[2] = {inverse.row(0), inverse.row(1)};
+  Vec3 dilated[2], spun[2];
+  for (int a = 0; a < 2; ++a) {
+    dilated[a] = p.rotation * g[a];
+    spun[a] = p.rotation * Vec2(-g[a].y(), g[a].x());
+  }
+  const auto computeBlock = [&](int a, int b) -> Mat3 {
+    const Vec3 across = area * g[a].dot(tilt * g[b]) * p.normal;
+    Mat3 block = area * lambda * dilated[a] * dilated[b].transpose() + 0.5 * area * spin * spun[a] * spun[b].transpose() +
+                 across * p.normal.transpose();
+    block.diagonal().array() += 2.0 * area * mu * g[a].dot(g[b]);
+    return block;
+  };
+  // Common motion takes no force: the blocks of a corner add up to zero.
+  const Mat3 second = computeBlock(0, 0), mixed = computeBlock(1, 0), third = computeBlock(1, 1);
+  blocks[2] = second;
+  blocks[4] = mixed;
+  blocks[5] = third;
+  blocks[1] = -(second + mixed.transpose());
+  blocks[3] = -(mixed + third);
+  blocks[0] = -(blocks[1] + blocks[3]);
 }
 
 }  // namespace
@@ -121,9 +131,7 @@ void TriangleMembrane::computeSpringsAcross(const State& state, std::vector<doub
       return squared > 1e-18 ? std::max(0.0, 2.0 * mu_ - c / std::sqrt(squared)) : 0.0;
     };
     const double large = findTension(mean + radius), small = findTension(mean - radius);
-    // The tensor with these eigenvalues in the directions of those of C.
-    const double slope = radius > 0.0 ? 0.5 * (large - small) / radius : 0.0;
-    const Mat2 H = slope * (C - mean * Mat2::Identity()) + 0.5 * (large + small) * Mat2::Identity();
+    const Mat2 H = makeTensor(C, mean, radius, large, small);
     const auto g = findShapeGradients(e.inverse);
     for (int k = 0; k < 3; ++k) stiffness[3 * t + k] = -e.area * g[k].dot(H * g[(k + 1) % 3]);
   }
