@@ -127,7 +127,7 @@ void relaxParticles(model::OrientedParticles& model, const std::vector<char>& he
 void relaxInShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
                   model::State& state) {
   // Rounds chosen on a sphere, a torus and a pretzel of 600 samples: with more the pretzel tore after time 0. Steps of up to
-  // 0.8 of the stable one and their numbers: on seven shapes of 600 samples, beside 3, 40 and 0.4. With 8 in the last relaxation
+  // 0.8 of the stable one and their numbers: on five shapes of 600 samples, beside 3, 40 and 0.4. With 8 in the last relaxation
   // three of ten seeds of the scene particles_fit were not at rest.
   constexpr Index kRounds = 8, kFewIterations = 2, kLastIterations = 20;
   constexpr double kLengthening = 2.0;
