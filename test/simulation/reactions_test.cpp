@@ -85,7 +85,7 @@ TEST(Contacts, AreWhatTheToolFeelsPointByPoint) {
   for (const simulation::Contact& c : contacts) {
     EXPECT_EQ(c.tool, 1);
     EXPECT_LT((c.position - s.state().positions[c.point]).norm(), 0.12);  // the nearest simulation point
-    EXPECT_GE(c.force.dot(c.normal), -1e-15 * c.force.norm());  // friction is across the normal but for rounding
+    EXPECT_GE(c.force.dot(c.normal), -1e-15 * c.force.norm());            // friction is across the normal but for rounding
     EXPECT_GT(c.depth, 0.0);
     EXPECT_LE(c.depth, reactions[1].penetration);
     sum += c.force;

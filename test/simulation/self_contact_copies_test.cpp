@@ -33,7 +33,7 @@ TEST(SelfContactCopies, AnotherSimulationContinuesASnapshot) {
   for (int step = 0; step < 90; ++step) {
     if (step % 15 == 4) snapshots.push_back(whole.snapshot());
     run(whole, 1);
-    touched += step == 5 || step == 89 ? static_cast<Index>(whole.statistics().self_contacts) : 0;
+    touched += static_cast<Index>(whole.statistics().self_contacts);
   }
   EXPECT_GT(touched, 0);
   for (std::size_t k = 0; k < snapshots.size(); ++k) {
