@@ -100,6 +100,24 @@ TEST(ParticleCuts, APairThatMeetsLaterHasABondOnlyIfAThirdJoinsIt) {
   EXPECT_FALSE(followed.mayBind(sheet.idAt(3, 0), sheet.idAt(4, 3)));
 }
 
+// A knife that passes almost along the line of a wide pair may miss it.
+TEST(ParticleCuts, AWidePairIsBoundOnlyAsLongAsAThirdJoinsIt) {
+  const Sheet sheet;
+  std::vector<Index> all(sheet.positions.size());
+  std::iota(all.begin(), all.end(), 0);
+  const Index lower = Sheet::at(3, 2), upper = Sheet::at(3, 4), left = Sheet::at(2, 3), right = Sheet::at(3, 3);
+  const auto cutPair = [&](const ParticleCuts& cuts, const ParticleCuts::Pair& pair) {
+    return cuts.cut(sheet.positions, sheet.traits, all, sheet.lengths,
+                    [&](Index i, Index j) { return ParticleCuts::Pair(i, j) == pair; });
+  };
+  const Index a = sheet.traits[lower].id, b = sheet.traits[upper].id;
+  const ParticleCuts begun = cutPair(ParticleCuts(), {lower, left});
+  EXPECT_TRUE(begun.mayBind(a, b));  // by the right one
+  const ParticleCuts ended = cutPair(begun, {right, upper});
+  EXPECT_FALSE(ended.mayBind(a, b));
+  EXPECT_FALSE(ended.isSevered(a, b));
+}
+
 TEST(ParticleCuts, HeatWeldsOnBothSidesOnly) {
   for (const bool both : {true, false}) {
     Sheet sheet;

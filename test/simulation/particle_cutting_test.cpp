@@ -399,6 +399,33 @@ TEST(ParticleCutting, EdgesThatMeetAgainStayApart) {
   }
 }
 
+// Pairs that lie on both sides of a slanted way and almost along it must not keep a bond.
+TEST(ParticleCutting, SidesOfASlantedCutStayApartWhenTheySlideAlongIt) {
+  struct Slide {
+    double from, to;  // m, x of the way at the lower and the upper edge
+    Index points;
+    double width;  // m
+    double speed;  // m/s
+    double slide;  // m, along y
+    double jitter;
+  };
+  for (const Slide& c : {Slide{-0.04, 0.09, 800, 0.09, 5.0, 0.18, 0.0}, Slide{0.06, -0.06, 800, 0.015, 5.0, -0.15, 0.0},
+                         Slide{0.02, 0.15, 600, 0.05, 5.0, 0.2, 0.0}, Slide{-0.02, -0.16, 700, 0.008, 20.0, -0.17, 0.0},
+                         Slide{-0.09, 0.16, 400, 0.006, 8.0, 0.21, 0.1}, Slide{0.07, 0.17, 700, 0.02, 5.0, 0.2, 0.1}}) {
+    SCOPED_TRACE(std::to_string(c.from) + " to " + std::to_string(c.to));
+    SceneParams p = stillParticles(c.points);
+    p.tools = {scalpel("knife", c.width, {{c.from, -0.6}, {c.to, 0.6}}, c.speed)};
+    const Vec3 along(c.slide * (c.to - c.from) / 1.2, c.slide, 0.0);
+    for (const ToolParams& tool : hands({along, along + Vec3(0.1, 0.0, 0.0)})) p.tools.push_back(tool);
+    Simulation s(p, makeCloud(p, c.jitter));
+    run(s, 30);
+    EXPECT_EQ(countModelPieces(s).size(), 2u);
+    run(s, 220);
+    EXPECT_EQ(countModelPieces(s).size(), 2u);
+    EXPECT_EQ(countPlacedPieces(s), 2u);
+  }
+}
+
 TEST(ParticleCutting, HeatOnBothSidesWelds) {
   for (const double offset : {0.0, -4.0}) {  // spacings: on the seam; on one side of it
     SCOPED_TRACE(offset);

@@ -152,10 +152,31 @@ ParticleCuts ParticleCuts::cut(const Points& positions, const std::vector<Partic
 
   // What the particles beside it still have: their bonds, and wider pairs that keep bonds to a third one.
   const auto isWhole = [&](Index i, Index j) { return areBonded(i, j) && !contains(severed, traits[i].id, traits[j].id); };
-  lists.bound.erase(std::remove_if(lists.bound.begin(), lists.bound.end(),
-                                   [&](const Pair& pair) { return contains(severed, pair.first, pair.second); }),
-                    lists.bound.end());
   std::vector<cloud::Neighbor> around;
+  std::unordered_map<Index, Index> index_of_id;
+  if (!lists.bound.empty())
+    for (const Index i : near) index_of_id[traits[i].id] = i;
+  // A wide pair from which this cut takes all that has bonds to both may lie on both sides of it, although the knife went between
+  // them at so small an angle, or in so many steps, that it did not sever them.
+  const auto hasLostThird = [&](const Pair& pair) {
+    const auto a = index_of_id.find(pair.first), b = index_of_id.find(pair.second);
+    if (a == index_of_id.end() || b == index_of_id.end()) return false;
+    const Index i = a->second, j = b->second;
+    if (areBonded(i, j)) return false;
+    tree.withinRadius(positions[i], lengths.bond, around);
+    bool had_third = false;
+    for (const cloud::Neighbor& q : around) {
+      const Index k = q.index;
+      if (k == i || k == j || !areBonded(i, k) || !areBonded(k, j)) continue;
+      if (isWhole(i, k) && isWhole(k, j)) return false;
+      had_third = true;
+    }
+    return had_third;
+  };
+  lists.bound.erase(
+      std::remove_if(lists.bound.begin(), lists.bound.end(),
+                     [&](const Pair& pair) { return contains(severed, pair.first, pair.second) || hasLostThird(pair); }),
+      lists.bound.end());
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
     const Index id = traits[i].id;
     if (id >= static_cast<Index>(lists.is_cut.size()) || !lists.is_cut[id] || isCut(id)) continue;
