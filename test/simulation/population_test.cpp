@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -319,6 +320,79 @@ TEST(Population, GrowthThatFeedsDebrisRestsAndSaysSoOnce) {
   EXPECT_EQ(told, 1);
   EXPECT_LT(s.state().size(), 900);
   EXPECT_LT(s.state().size() - at_end, 50);
+}
+
+// Edges of a cut, which are curved and uneven, and the rim of a cap, which closes.
+TEST(Population, EdgesThatGrowThrowNoParticles) {
+  using Shape = simulation::CloudParams::Shape;
+  for (const Shape shape : {Shape::kSphere, Shape::kCap}) {
+    SceneParams p;
+    p.model = "oriented_particles";
+    p.cloud.shape = shape;
+    p.cloud.points = shape == Shape::kSphere ? 400 : 300;
+    p.cloud.radius = 0.4;
+    p.cloud.angle = 1.2;
+    p.material.young_modulus = 1e5;
+    p.material.damping = 10.0;
+    p.material.bending_rigidity = 0.05;
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+    p.integrator.time_step = 0.002;
+    p.oriented_particles.growing = model::Growing::kEdges;
+    p.oriented_particles.growth.max_particles = 2000;
+    p.gravity.setZero();
+    if (shape == Shape::kSphere) {
+      tool::ToolParams knife;
+      knife.id = "knife";
+      knife.mode = tool::Mode::kCut;
+      knife.shape.kind = geometry::Solid::Kind::kBox;
+      knife.shape.size = Vec3(0.004, 0.1, 2.0);
+      knife.path = {{0.02, Vec3(-0.1, -0.7, 0.0)}, {0.2, Vec3(-0.1, 0.0, 0.0)}};
+      knife.start = 0.02;
+      knife.end = 0.2;
+      p.tools = {knife};
+      simulation::PinParams pin;
+      pin.region.min = Vec3(-1.0, -1.0, -1.0);
+      pin.region.max = Vec3(-0.3, 1.0, 1.0);
+      p.pins = {pin};
+    }
+    Simulation s(p, io::makeShape(p.cloud));
+    const Index before = s.state().size();
+    double fastest = 0.0;
+    for (int k = 0; k < 400; ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << outcome.problem;
+      EXPECT_EQ(outcome.notice.find("out of control"), std::string::npos);
+      for (const Vec3& v : s.state().velocities) fastest = std::max(fastest, v.norm());
+    }
+    EXPECT_EQ(simulation::computeQuantity("components", s), 1.0);
+    EXPECT_EQ(simulation::computeQuantity("isolated", s), 0.0);
+    EXPECT_LT(fastest, 4.0);
+    if (shape == Shape::kCap) {
+      EXPECT_GT(s.state().size(), 2 * before);
+    }
+  }
+}
+
+TEST(Population, OpenEdgesGrowUntilThereAreMaxParticlesAndANoteSaysSo) {
+  for (const Index rows : {0, 2}) {
+    SceneParams p;
+    p.model = "oriented_particles";
+    p.cloud.shape = simulation::CloudParams::Shape::kLattice;
+    p.cloud.points = 60;
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+    p.integrator.time_step = 0.002;
+    p.oriented_particles.growing = model::Growing::kEdges;
+    p.oriented_particles.growth.edge_rows = rows;
+    p.oriented_particles.growth.max_particles = 300;
+    p.gravity.setZero();
+    Simulation s(p, io::makeShape(p.cloud));
+    const std::vector<std::string>& notes = s.buildNotes();
+    EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+      return note.find("open edges grow until there are oriented_particles.growth.max_particles, 300") != std::string::npos;
+    }));
+    for (int k = 0; k < 150; ++k) ASSERT_TRUE(s.step().ok);
+    EXPECT_EQ(s.state().size(), 300);
+  }
 }
 
 }  // namespace

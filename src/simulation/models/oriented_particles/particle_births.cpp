@@ -6,6 +6,7 @@
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace deformable_surface::simulation {
@@ -15,6 +16,17 @@ using model::State;
 
 constexpr Index kMostDebris = 4;  // pieces of newborns alone: a few may have been cut off by tools
 constexpr Index kLook = 1024;     // particles between two looks at an interrupt
+
+// An edge grows where the kinetic energy of a particle's motion against the mean of its neighbours is below this share of the
+// depth of its bonds: the rules are for surfaces near equilibrium. Chosen on two spherical caps of 456 and 235 particles, one of
+// them displaced by 0.1 spacings: without it they threw off up to eight pieces, with it none.
+constexpr double kQuiet = 0.01;
+
+// The distance, m, below which the repulsion of a pair holds more energy than a bond.
+double findLeastDistance(const model::PairPotentials& pair) {
+  return pair.distance *
+         std::pow(static_cast<double>(pair.attraction) / pair.repulsion, 1.0 / (pair.repulsion - pair.attraction));
+}
 
 }  // namespace
 
@@ -82,6 +94,25 @@ Index ParticleLife::countDebris(const State& state) const {
   return debris;
 }
 
+// The particles that hardly move against their neighbours.
+std::vector<Index> ParticleLife::findQuiet(const State& state) const {
+  if (model_.masses().empty()) return {};  // edits have filled an empty surface in this step
+  const double range = model_.params().growth.neighbor_range * model_.lattice().spacing;
+  const double most = 2.0 * kQuiet * model_.lattice().pair.depth / model_.masses().front();  // m^2/s^2
+  const cloud::KdTree tree(state.positions);
+  std::vector<Index> quiet;
+  std::vector<cloud::Neighbor> near;
+  for (Index i = 0; i < state.size(); ++i) {
+    endIfInterrupted(i, kLook);
+    tree.withinRadius(state.positions[i], range, near);
+    Vec3 mean = Vec3::Zero();  // of it and its neighbours
+    for (const cloud::Neighbor& q : near) mean += state.velocities[q.index];
+    mean /= static_cast<double>(near.size());
+    if ((state.velocities[i] - mean).squaredNorm() <= most) quiet.push_back(i);
+  }
+  return quiet;
+}
+
 void ParticleLife::grow(State& state, Population& changes) {
   const model::OrientedParticlesParams& params = model_.params();
   const bool grows = params.stretching || params.growing != model::Growing::kNone;
@@ -96,24 +127,27 @@ void ParticleLife::grow(State& state, Population& changes) {
     apart = [&](Index i, Index j) { return !model_.cuts().mayBind(state.traits[i].id, state.traits[j].id); };
   const double spacing = model_.lattice().spacing;
   // Rules take turns: one whose places are all taken does not keep the next from its own.
-  const auto found = [&](std::vector<model::NewParticle> proposed) {
-    model::leaveOutCrowded(state.positions, growth.clearance * spacing, proposed);
+  const auto found = [&](double clearance, std::vector<model::NewParticle> proposed) {
+    model::leaveOutCrowded(state.positions, clearance * spacing, proposed);
     newborn = std::move(proposed);
     return !newborn.empty();
   };
   const auto findRoom = [&] {
     if (params.stretching &&
-        found(model::proposeStretched(state.positions, state.orientations, flags, spacing, growth, {}, apart)))
+        found(growth.clearance, model::proposeStretched(state.positions, state.orientations, flags, spacing, growth, {}, apart)))
       return;
     if (params.growing == model::Growing::kNone) return;
     std::vector<char> growing = flags;
     if (params.growing == model::Growing::kEdges)
-      for (char& flag : growing) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
+      for (const Index i : findQuiet(state))
+        if (growing[i]) growing[i] = static_cast<char>(growing[i] | model::kExtendsEdge);
     // The surroundings must agree: else, beside edges that tools have brought together, new particles would stand across the
     // surface and others grow on them, until layers fill the inside.
     model::GrowthParams witnessed = growth;
     witnessed.witnessed = true;
-    found(model::proposeGrown(state.positions, state.orientations, growing, spacing, witnessed, {}, apart));
+    if (params.growing == model::Growing::kEdges)
+      witnessed.clearance = std::max(growth.clearance, findLeastDistance(model_.lattice().pair) / spacing);
+    found(witnessed.clearance, model::proposeGrown(state.positions, state.orientations, growing, spacing, witnessed, {}, apart));
   };
   findRoom();
   if (newborn.empty()) return;

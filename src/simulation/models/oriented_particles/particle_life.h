@@ -67,6 +67,7 @@ class ParticleLife : public Evolution, public solve::Breaking {
   bool cut(double time, double step, const std::vector<tool::ToolParams>& tools, const model::State& state);
   model::GrowthParams growthParams() const;
 
+  std::vector<Index> findQuiet(const model::State& state) const;
   Index countDebris(const model::State& state) const;
 
   model::OrientedParticles& model_;

@@ -88,6 +88,10 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   // Of E h a^2: with a tenth of it a draping sheet fell apart (docs/oriented_particles.md)
   constexpr double kSoftest = 0.02;
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
+  if (params.oriented_particles.growing == model::Growing::kEdges)
+    s.notes.push_back(
+        "oriented_particles.growing edges: open edges grow until there are oriented_particles.growth.max_particles, " +
+        std::to_string(params.oriented_particles.growth.max_particles) + "; edge_rows is for grow_surface");
   const double median = findMedianDistance(s.points);
   if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))
     s.warnings.push_back("the cloud's nearest neighbours are " + formatShort(median) +
