@@ -162,7 +162,7 @@ TEST_F(CommandsTest, RefusesToolsThatMeanNothingAndLosesNothing) {
   ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", 2));
   ASSERT_TRUE(client_->step(1).success);
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", 3));
-  EXPECT_NE(client_->diagnosticText("last warning").find("tool 'sieve' mesh: found 0 triangles"), std::string::npos)
+  EXPECT_NE(client_->diagnosticText("last warning").find("tool 'sieve' mesh.triangles: found 0;"), std::string::npos)
       << client_->diagnosticText("last warning");
   // No other surface is under construction that the command could be for.
   EXPECT_EQ(client_->diagnosticText("last warning").find("being built"), std::string::npos)
