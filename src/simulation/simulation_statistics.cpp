@@ -29,7 +29,8 @@ void Simulation::Impl::measureState() {
   for (Index i = 0; i < state.size(); ++i) statistics.awake += !now.held()[i] && now.activity().isMoving(i);
   statistics.kinetic_energy = now.system().kineticEnergy(state);
   statistics.elastic_energy = model.elasticEnergy(state);
-  statistics.links = static_cast<std::uint32_t>(stretchLinksOf(model).size() + bendLinksOf(model).size());  // now of this state
+  // After the energies, which find the links of this state.
+  statistics.links = static_cast<std::uint32_t>(stretchLinksOf(model).size() + bendLinksOf(model).size());
   statistics.potential_energy = now.system().loadPotential(now.time(), state) + now.loads().frictionEnergy(now.time(), state);
   statistics.max_stretch = maxStretchOf(model, state);
   double squared_speed = 0.0;
