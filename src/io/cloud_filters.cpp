@@ -190,19 +190,22 @@ FilterReport filterCloud(const InputFilterParams& params, PointCloud& cloud) {
     filtering.remove([&](std::size_t k, Index i) { return goes(k, i) ? filter : RemovedBy::kNone; });
     endIfInterrupted();
   };
-  if (!params.crop.empty()) removeIf(RemovedBy::kCrop, [&](std::size_t, Index i) { return isCropped(cloud.positions[i]); });
-  removeIf(RemovedBy::kRange, [&, eye = cloud.eye()](std::size_t, Index i) {
-    const double distance = (cloud.positions[i] - eye).norm();
-    return distance < params.range.min || distance > params.range.max;
-  });
+  // In the whole image: at an outline, the other filters may remove the background, or the surface in front.
+  std::vector<char> flying;
   if (params.flying_pixels > 0.0) {
     if (cloud.width < 2 || cloud.height < 2) {
       throw InputError("input.filter.flying_pixels: found a cloud of " + std::to_string(cloud.width) + " x " +
                        std::to_string(cloud.height) + " points, where no pixel has neighbours; accepted: organised clouds, or 0");
     }
-    const std::vector<char> flying = cloud::findFlyingPixels(cloud, params.flying_pixels);
-    removeIf(RemovedBy::kFlyingPixels, [&](std::size_t, Index i) { return flying[i]; });
+    flying = cloud::findFlyingPixels(cloud, params.flying_pixels);
+    endIfInterrupted();
   }
+  if (!params.crop.empty()) removeIf(RemovedBy::kCrop, [&](std::size_t, Index i) { return isCropped(cloud.positions[i]); });
+  removeIf(RemovedBy::kRange, [&, eye = cloud.eye()](std::size_t, Index i) {
+    const double distance = (cloud.positions[i] - eye).norm();
+    return distance < params.range.min || distance > params.range.max;
+  });
+  if (!flying.empty()) removeIf(RemovedBy::kFlyingPixels, [&](std::size_t, Index i) { return flying[i]; });
   std::string plane_notice;
   if (params.plane.distance > 0.0) {
     plane_notice = removePlane(params.plane, filtering);

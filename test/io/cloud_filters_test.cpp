@@ -300,6 +300,32 @@ TEST(FilterCloud, FlyingPixelsGoOnlyInOrganisedClouds) {
   }
 }
 
+TEST(FilterCloud, FlyingPixelsGoAlsoWhereOtherFiltersTakeTheBackground) {
+  Table table;
+  std::vector<std::size_t> made;  // pixels between the box and the table
+  double farthest = 0.0;          // of them
+  for (std::size_t i = 1; i < table.things.size(); ++i) {
+    if (table.things[i] != Thing::kTable || table.things[i - 1] != Thing::kBox) continue;
+    table.cloud.positions[i] *= 0.95;
+    farthest = std::max(farthest, table.cloud.positions[i].norm());
+    made.push_back(i);
+  }
+  ASSERT_GT(made.size(), 10u);
+  InputFilterParams alone;
+  alone.flying_pixels = 0.02;
+  InputFilterParams ranged = alone, cropped = alone;
+  ranged.range.max = farthest + 1e-6;
+  cropped.crop.resize(1);
+  cropped.crop[0].region.kind = geometry::Region::Kind::kSphere;
+  cropped.crop[0].region.radius = farthest + 1e-6;
+  for (const InputFilterParams& params : {alone, ranged, cropped}) {
+    PointCloud cloud = table.cloud;
+    const FilterReport report = filterCloud(params, cloud);
+    EXPECT_EQ(count(report, RemovedBy::kFlyingPixels), static_cast<long>(made.size()));
+    for (const std::size_t i : made) EXPECT_EQ(report.removed_by[i], RemovedBy::kFlyingPixels) << i;
+  }
+}
+
 TEST(FilterCloud, FiltersFollowOneAnotherAndTheNotesCountWhatEachTook) {
   const Table table(0.03);
   InputFilterParams params = makePlane(0.0025, 0.02, Keep::kNearSide);
