@@ -105,10 +105,12 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                      "; accepted: whole numbers, the first the larger");
   fields.number("cutoff", p.cutoff, "", between(1.05, 4.0),
                 "interaction cutoff, as a multiple of the equilibrium distance. Longer bonds break");
-  fields.number(
-      "tear_strain", p.tear_strain, "", between(0.0, 4.0),
-      "strain l / l0 - 1 of the largest bond force. Beyond it the bond breaks. A value above 0 shortens the cutoff. 0 = the "
-      "maximum, which follows from exponents and cutoff (0.42 by default)");
+  fields.number("tear_strain", p.tear_strain, "", between(0.0, 4.0),
+                "strain l / l0 - 1 of the largest bond force. Beyond it the bond breaks. 0 = the maximum; else from 0.1 up to "
+                "it. With bonds: "
+                "free a value above 0 shortens the cutoff, and the maximum follows from exponents and cutoff (0.4198 by "
+                "default). With bonds: "
+                "kept it is cutoff - 1 (0.6 by default)");
   fields.require(
       !(p.tear_strain > 0.0) || p.tear_strain >= 0.1, "tear_strain",
       "found " + formatReal(p.tear_strain) + "; accepted: 0, or from 0.1, below which sheets were not seen to part cleanly");
