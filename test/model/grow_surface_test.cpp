@@ -165,8 +165,15 @@ TEST(GrowSurface, SamplesStayFixedUntilTheyAreReleased) {
   const TestSurface samples = cloud::makeSphere(40);
   const Index n = samples.size();
   std::vector<Index> num_fixed;
-  const Relaxation watch = [&](Points& positions, Orientations&, const std::vector<char>& fixed) {
+  bool all_move = false;
+  const Relaxation watch = [&](Points& positions, Orientations&, const std::vector<char>& fixed, std::vector<char>* awake) {
     ASSERT_EQ(fixed.size(), positions.size());
+    if (awake) {
+      ASSERT_EQ(awake->size(), positions.size());
+      EXPECT_TRUE((*awake).back()) << "new ones move";
+      awake->assign(awake->size(), 0);
+    }
+    all_move = !awake;
     num_fixed.push_back(static_cast<Index>(std::count(fixed.begin(), fixed.end(), 1)));
   };
   GrowthParams params = upTo(4.0);
@@ -175,6 +182,7 @@ TEST(GrowSurface, SamplesStayFixedUntilTheyAreReleased) {
   EXPECT_EQ(num_fixed.front(), n);
   EXPECT_EQ(num_fixed[grown.passes - 1], n);
   EXPECT_EQ(num_fixed.back(), 0);
+  EXPECT_TRUE(all_move);
   for (Index i = 0; i < n; ++i) EXPECT_EQ(grown.positions[i], samples.positions[i]);
 
   num_fixed.clear();
@@ -188,7 +196,8 @@ TEST(GrowSurface, NoisySamplesAreRelaxedUntilTheyHaveMovedAsFarAsTheirNoise) {
   const TestSurface samples = cloud::makeSphere(40);
   constexpr double kSpacing = 0.2;
   Index releases = 0;
-  const Relaxation raise = [&](Points& positions, Orientations& orientations, const std::vector<char>& fixed) {
+  const Relaxation raise = [&](Points& positions, Orientations& orientations, const std::vector<char>& fixed,
+                               std::vector<char>*) {
     if (std::count(fixed.begin(), fixed.end(), 1) > 0) return;
     ++releases;
     for (std::size_t i = 0; i < positions.size(); ++i) positions[i] += 0.1 * kSpacing * (orientations[i] * Vec3::UnitZ());

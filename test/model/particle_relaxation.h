@@ -7,12 +7,12 @@
 namespace deformable_surface::model {
 
 inline Relaxation makeRelaxation(double spacing, Index sweeps) {
-  return [=](Points& positions, Orientations& orientations, const std::vector<char>& fixed) {
-    relaxOnSurface(spacing, sweeps, fixed, positions, orientations);
+  return [=](Points& positions, Orientations& orientations, const std::vector<char>& fixed, std::vector<char>* awake) {
+    relaxOnSurface(spacing, sweeps, fixed, positions, orientations, awake);
   };
 }
 
-inline void relaxNothing(Points&, Orientations&, const std::vector<char>&) {}
+inline void relaxNothing(Points&, Orientations&, const std::vector<char>&, std::vector<char>*) {}
 
 /// Orientations with these normals.
 inline Orientations orientTo(const Points& normals) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace deformable_surface::model {
@@ -45,6 +46,40 @@ TEST(RelaxOnSurface, NoiseBecomesLessAndFixedOnesStay) {
   relaxOnSurface(0.2, 20, fixed, positions, orientations);
   EXPECT_LT(findRadiusError(positions), 0.5 * before);
   EXPECT_EQ(positions[5], sphere.positions[5]);
+}
+
+TEST(RelaxOnSurface, OnlyWhatIsNearSomethingThatMovesWakes) {
+  TestSurface sheet = makeHexagons(0.1, 2.0);
+  const auto distances = [&](const Points& positions) {
+    std::vector<double> all;
+    for (const Vec3& p : positions) all.push_back((p - sheet.positions[0]).norm());
+    return all;
+  };
+  const std::vector<double> from_first = distances(sheet.positions);
+  const Index far = static_cast<Index>(std::max_element(from_first.begin(), from_first.end()) - from_first.begin());
+  // The sheet is uneven at its first and at its farthest particle.
+  Points positions = sheet.positions;
+  for (const Index i : {Index{0}, far}) positions[i] += Vec3(0.03, 0.02, 0.01);
+  const Points before = positions;
+  Orientations orientations = orientTo(sheet.normals);
+  std::vector<char> awake(sheet.size(), 0);
+  awake[0] = 1;
+  relaxOnSurface(0.1, 20, std::vector<char>(sheet.size(), 0), positions, orientations, &awake);
+  EXPECT_NE(positions[0], before[0]);
+  Index moved = 0;
+  for (Index i = 0; i < sheet.size(); ++i) {
+    moved += positions[i] != before[i];
+    if (from_first[i] > 1.0) {
+      EXPECT_EQ(positions[i], before[i]) << i;
+    }
+  }
+  EXPECT_GT(moved, 5);
+  EXPECT_TRUE(std::none_of(awake.begin(), awake.end(), [](char a) { return a; }));
+
+  Points all = before;
+  orientations = orientTo(sheet.normals);
+  relaxOnSurface(0.1, 20, std::vector<char>(sheet.size(), 0), all, orientations);
+  EXPECT_NE(all[far], before[far]);
 }
 
 TEST(RelaxOnSurface, DoesNotDependOnTheNumberOfThreads) {

@@ -49,7 +49,7 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
   surface.positions = positions;
   surface.orientations = orientations;
   std::vector<Index> row(positions.size(), 0);
-  std::vector<char> fixed(positions.size(), params.fix_samples);
+  std::vector<char> fixed(positions.size(), params.fix_samples), awake(positions.size(), 1);
 
   std::vector<double> reaches = findReaches(positions, spacing, params);
 
@@ -65,6 +65,7 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
     const auto& [first, second] = particle.parents;
     row.push_back(second < 0 ? row[first] + 1 : std::max(row[first], row[second]));
     fixed.push_back(0);
+    awake.push_back(1);
     if (!reaches.empty()) reaches.push_back(second < 0 ? reaches[first] : std::max(reaches[first], reaches[second]));
     surface.positions.push_back(particle.position);
     surface.orientations.push_back(particle.orientation);
@@ -93,13 +94,13 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
     for (const NewParticle& particle : found) add(particle);
     if (cuts.follow) cuts.follow(surface.positions, first, found);
     ++surface.passes;
-    relax(surface.positions, surface.orientations, fixed);
+    relax(surface.positions, surface.orientations, fixed, &awake);
   }
 
   if (params.fix_samples && params.release_samples) {
     const std::vector<char> none(surface.positions.size(), 0);
     Index releases = 0;
-    do relax(surface.positions, surface.orientations, none);
+    do relax(surface.positions, surface.orientations, none, nullptr);
     while (++releases < kMostReleases &&
            measureRise(positions, surface.positions, surface.orientations) < params.noise * spacing);
   }

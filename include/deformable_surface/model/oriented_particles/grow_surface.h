@@ -8,9 +8,11 @@
 
 namespace deformable_surface::model {
 
-/// Brings particles near their equilibrium, in place. fixed (n): 1 = does not move or turn. The rules assume surroundings near
-/// equilibrium. A function that does nothing is allowed.
-using Relaxation = std::function<void(Points& positions, Orientations& orientations, const std::vector<char>& fixed)>;
+/// Brings particles near their equilibrium, in place. fixed (n): 1 = does not move or turn. awake (n): 1 = is new, or was still
+/// moving when the last relaxation ended, which this one says for the next; none: all are to move. The rules assume surroundings
+/// near equilibrium. A function that does nothing is allowed.
+using Relaxation =
+    std::function<void(Points& positions, Orientations& orientations, const std::vector<char>& fixed, std::vector<char>* awake)>;
 
 /// Growth on a surface that is cut. Empty functions: nothing is cut.
 struct GrowthCuts {

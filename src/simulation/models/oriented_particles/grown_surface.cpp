@@ -103,10 +103,11 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   growth.chain = growthParams().chain;
   const bool keeps_shape = model_.params().restsAsCloud(), lets_go = !growth.fix_samples || growth.release_samples;
   const double spacing = kDensity * model_.lattice().spacing;
-  const auto relax = [&](Points& positions, Orientations& orientations, const std::vector<char>& still) {
+  const auto relax = [&](Points& positions, Orientations& orientations, const std::vector<char>& still,
+                         std::vector<char>* awake) {
     std::vector<char> fixed = still;
     for (std::size_t i = 0; i < held.size(); ++i) fixed[i] = fixed[i] || held[i];
-    model::relaxOnSurface(spacing, kSweeps, fixed, positions, orientations);
+    model::relaxOnSurface(spacing, kSweeps, fixed, positions, orientations, awake);
   };
   model::ParticleCuts cuts = model_.cuts();
   std::vector<model::ParticleTraits> traits = state.traits;
