@@ -295,6 +295,45 @@ TEST(Growth, DoesNotDependOnTheNumberOfThreads) {
 }
 
 // A valley whose floor is filled: the two rims see each other across it.
+TEST(Growth, RulesLookAgainOnlyAroundWhatHasChangedAndFindTheSame) {
+  // An uneven torus, on which a particle has moved, is new or has turned since the last look.
+  TestSurface torus = cloud::makeTorus(72, 30, 0.4);
+  GrowthParams params;
+  params.min_gap = 1.6;
+  params.max_gap = 5.0;
+  params.witnessed = true;
+  const double spacing = 0.09;
+  const auto propose = [&](bool is_stretching, const Orientations& orientations, ProposalMemory* memory) {
+    const std::vector<char> flags(torus.size(), kFillsGaps);
+    return is_stretching ? proposeStretched(torus.positions, orientations, flags, spacing, params, {}, {}, memory)
+                         : proposeGrown(torus.positions, orientations, flags, spacing, params, {}, {}, memory);
+  };
+  const auto expectTheSame = [](const std::vector<NewParticle>& found, const std::vector<NewParticle>& expected) {
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].position, expected[i].position);
+      EXPECT_EQ(found[i].orientation.coeffs(), expected[i].orientation.coeffs());
+      EXPECT_EQ(found[i].parents[0], expected[i].parents[0]);
+      EXPECT_EQ(found[i].parents[1], expected[i].parents[1]);
+    }
+  };
+  for (const bool is_stretching : {true, false}) {
+    ProposalMemory memory;
+    Orientations orientations = orientTo(torus.normals);
+    ASSERT_GT(propose(is_stretching, orientations, &memory).size(), 20u);
+    EXPECT_EQ(memory.looked_at, torus.size());
+    for (int change = 0; change < 3; ++change) {
+      if (change == 0) torus.positions[700] += Vec3(0.02, 0.03, 0.01);
+      if (change == 1) torus.add(torus.positions[300] + Vec3(0.04, 0.0, 0.03), torus.normals[300]);
+      orientations = orientTo(torus.normals);
+      if (change == 2) orientations[1500] = Quaternion::FromTwoVectors(Vec3::UnitZ(), torus.normals[1501]);
+      expectTheSame(propose(is_stretching, orientations, &memory), propose(is_stretching, orientations, nullptr));
+      EXPECT_GT(memory.looked_at, 0);
+      EXPECT_LT(memory.looked_at, torus.size() / 2);
+    }
+  }
+}
+
 TEST(Growth, ValleysThatAreClosedBelowAreNotBridged) {
   constexpr double kSpacing = 0.5;
   GrowthParams params;
@@ -352,18 +391,18 @@ TEST(Growth, InputThatCannotBeUsedIsRefused) {
   const Orientations orientations = orientTo(pair.normals);
   const std::vector<char> flags(2, kFillsGaps);
   for (const auto& rule : {proposeStretched, proposeGrown}) {
-    EXPECT_THROW(rule(pair.positions, {orientations[0]}, flags, 1.0, {}, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, {kFillsGaps}, 1.0, {}, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, flags, 0.0, {}, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, flags, std::nan(""), {}, {}, {}), InputError);
-    EXPECT_THROW(rule({Vec3::Zero(), Vec3(std::nan(""), 0.0, 0.0)}, orientations, flags, 1.0, {}, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, {orientations[0], Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}, flags, 1.0, {}, {}, {}),
+    EXPECT_THROW(rule(pair.positions, {orientations[0]}, flags, 1.0, {}, {}, {}, nullptr), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, {kFillsGaps}, 1.0, {}, {}, {}, nullptr), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 0.0, {}, {}, {}, nullptr), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, std::nan(""), {}, {}, {}, nullptr), InputError);
+    EXPECT_THROW(rule({Vec3::Zero(), Vec3(std::nan(""), 0.0, 0.0)}, orientations, flags, 1.0, {}, {}, {}, nullptr), InputError);
+    EXPECT_THROW(rule(pair.positions, {orientations[0], Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}, flags, 1.0, {}, {}, {}, nullptr),
                  InputError);
     GrowthParams params;
     params.max_gap = 1.5;
-    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, params, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, {}, {3.0}, {}), InputError);
-    EXPECT_TRUE(rule({}, {}, {}, 1.0, {}, {}, {}).empty());
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, params, {}, {}, nullptr), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, {}, {3.0}, {}, nullptr), InputError);
+    EXPECT_TRUE(rule({}, {}, {}, 1.0, {}, {}, {}, nullptr).empty());
   }
 }
 

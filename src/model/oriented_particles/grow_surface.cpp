@@ -72,13 +72,16 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
     surface.added.push_back(particle);
   };
 
+  ProposalMemory stretched, grown;
+  const auto remember = [&](ProposalMemory& memory) { return cuts.apart ? nullptr : &memory; };
   for (;;) {
     endIfInterrupted();
-    std::vector<NewParticle> found =
-        proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches, cuts.apart);
+    std::vector<NewParticle> found = proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params,
+                                                      reaches, cuts.apart, remember(stretched));
     leaveOutCrowded(surface.positions, params.clearance * spacing, found);
     if (found.empty()) {
-      found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches, cuts.apart);
+      found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches, cuts.apart,
+                           remember(grown));
       leaveOutCrowded(surface.positions, params.clearance * spacing, found);
     }
     if (found.empty()) break;

@@ -29,10 +29,9 @@ constexpr double kWitnesses = 1.5;
 constexpr Index kBlock = 64;
 constexpr std::size_t kLook = 256;  // candidates between two looks at an interrupt
 
-struct Candidate {
-  double squared_gap;  // m^2: the order of candidates before their indices; the growing rule has none
-  NewParticle particle;
-};
+constexpr double kMuch = 0.5;  // share of particles that have changed: looking at all of them then costs as little
+
+using Candidate = ProposalMemory::Proposal;
 
 void check(std::size_t num_particles, const std::vector<char>& flags, const std::vector<double>& reaches, double spacing,
            const GrowthParams& params) {
@@ -58,19 +57,54 @@ bool isWithinReach(const std::vector<double>& reaches, Index i, const cloud::Nei
   return other.squared_distance <= reach * reach;
 }
 
-// Calls propose(i, scratch, out) for all particles and returns the proposals, in their order.
+// 1 where a particle's last look does not hold any more.
+std::vector<char> findOutdated(const LocalSurface& surface, const Orientations& orientations, const ProposalMemory& memory) {
+  const Index n = surface.size(), before = static_cast<Index>(memory.positions.size());
+  Points changed;
+  for (Index i = 0; i < n; ++i) {
+    const Vec3& p = surface.positions()[i];
+    if (i < before && p == memory.positions[i] && orientations[i].coeffs() == memory.orientations[i].coeffs()) continue;
+    changed.push_back(p);
+    if (i < before) changed.push_back(memory.positions[i]);
+  }
+  std::vector<char> is_outdated(n, 1);
+  if (static_cast<double>(changed.size()) > kMuch * n) return is_outdated;
+  const cloud::KdTree tree(changed);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<cloud::Neighbor> nearest;
+    for (Index i = begin; i < std::min(end, before); ++i) {
+      tree.nearest(surface.positions()[i], 1, nearest);
+      const double reach = (1.0 + kRounding) * memory.looks[i].reach;
+      is_outdated[i] = !nearest.empty() && nearest.front().squared_distance <= reach * reach;
+    }
+  });
+  return is_outdated;
+}
+
+// Calls propose(i, scratch, look) for all particles whose last look does not hold, and returns all proposals, in their order.
 template <class Propose>
-std::vector<Candidate> collect(Index num_particles, const Propose& propose) {
+std::vector<Candidate> collect(const LocalSurface& surface, const Orientations& orientations, ProposalMemory* memory,
+                               const Propose& propose) {
   struct Scratch {
     std::vector<cloud::Neighbor> near, found;
   };
-  std::vector<std::vector<Candidate>> of_block(num_particles / kBlock + 1);
-  parallelFor(num_particles, kBlock, [&](Index begin, Index end) {
+  ProposalMemory alone;
+  if (!memory) memory = &alone;
+  const std::vector<char> is_outdated = findOutdated(surface, orientations, *memory);
+  memory->looks.resize(surface.size());
+  parallelFor(surface.size(), kBlock, [&](Index begin, Index end) {
     Scratch scratch;
-    for (Index i = begin; i < end; ++i) propose(i, scratch, of_block[begin / kBlock]);
+    for (Index i = begin; i < end; ++i) {
+      if (!is_outdated[i]) continue;
+      memory->looks[i] = {};
+      propose(i, scratch, memory->looks[i]);
+    }
   });
+  memory->looked_at = static_cast<Index>(std::count(is_outdated.begin(), is_outdated.end(), 1));
+  memory->positions = surface.positions();
+  memory->orientations = orientations;
   std::vector<Candidate> all;
-  for (const auto& some : of_block) all.insert(all.end(), some.begin(), some.end());
+  for (const ProposalMemory::Look& look : memory->looks) all.insert(all.end(), look.proposals.begin(), look.proposals.end());
   return all;
 }
 
@@ -140,14 +174,15 @@ void findOpenDirections(const LocalSurface& surface, Index i, const std::vector<
 
 std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
                                           const std::vector<char>& flags, double spacing, const GrowthParams& params,
-                                          const std::vector<double>& reaches, const AreApart& apart) {
+                                          const std::vector<double>& reaches, const AreApart& apart, ProposalMemory* memory) {
   check(positions.size(), flags, reaches, spacing, params);
   const LocalSurface surface(positions, orientations, apart);
   const double min_clearance = 0.5 * params.min_gap * spacing;
   const double min_gap = (1.0 - kRounding) * params.min_gap * spacing, max_gap = (1.0 + kRounding) * params.max_gap * spacing;
 
-  std::vector<Candidate> candidates = collect(surface.size(), [&](Index i, auto& scratch, std::vector<Candidate>& out) {
+  const auto propose = [&](Index i, auto& scratch, ProposalMemory::Look& look) {
     if (!(flags[i] & kFillsGaps)) return;
+    look.reach = max_gap;
     surface.tree().withinRadius(positions[i], max_gap, scratch.near);
     for (const cloud::Neighbor& q : scratch.near) {
       const Index j = q.index;
@@ -163,6 +198,9 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
       };
       if (std::any_of(scratch.near.begin(), scratch.near.end(), isInTheWay)) continue;
       const Placed placed = surface.place(middle, half, parents, scratch.found);
+      look.reach =
+          std::max({look.reach, half + LocalSurface::reachOf(half),
+                    (placed.position - positions[i]).norm() + std::max(std::hypot(clearance, half), kWitnesses * spacing)});
       if (!surface.sees(i, placed) || !surface.sees(j, placed)) continue;
       if (!surface.isClear(placed.position, normal, min_clearance, parents, scratch.found)) continue;
       // Seen along the normal: below a bridge over a valley, and above a cut through a ridge, there is no gap.
@@ -170,22 +208,24 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
           !surface.isOpen(placed.position, normal, clearance, half, parents, scratch.found))
         continue;
       if (params.witnessed && !surface.fits(placed, kWitnesses * spacing, scratch.found)) continue;
-      out.push_back({q.squared_distance, {placed.position, placed.orientation, {i, j}}});
+      look.proposals.push_back({q.squared_distance, {placed.position, placed.orientation, {i, j}}});
     }
-  });
-  return chooseApart(std::move(candidates), min_clearance);
+  };
+  return chooseApart(collect(surface, orientations, memory, propose), min_clearance);
 }
 
 std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
                                       double spacing, const GrowthParams& params, const std::vector<double>& reaches,
-                                      const AreApart& apart) {
+                                      const AreApart& apart, ProposalMemory* memory) {
   check(positions.size(), flags, reaches, spacing, params);
   const LocalSurface surface(positions, orientations, apart);
   const double range = params.neighbor_range * spacing, max_gap = params.max_gap * spacing;
   const double clearance = params.clearance * spacing;
 
-  std::vector<Candidate> candidates = collect(surface.size(), [&](Index i, auto& scratch, std::vector<Candidate>& out) {
+  const auto propose = [&](Index i, auto& scratch, ProposalMemory::Look& look) {
     if (flags[i] == kGrowsNothing) return;
+    look.reach =
+        std::max({range, max_gap, spacing + LocalSurface::reachOf(spacing), spacing + std::max(clearance, kWitnesses * spacing)});
     const Vec3& normal = surface.normals()[i];
     surface.tree().withinRadius(positions[i], std::max(range, max_gap), scratch.near);
     std::vector<Vec3> directions;
@@ -204,10 +244,10 @@ std::vector<NewParticle> proposeGrown(const Points& positions, const Orientation
       if (!surface.sees(i, placed)) continue;
       if (!surface.isClear(placed.position, normal, clearance, parents, scratch.found)) continue;
       if (params.witnessed && !surface.fits(placed, kWitnesses * spacing, scratch.found)) continue;
-      out.push_back({0.0, {placed.position, placed.orientation, {i, -1}}});
+      look.proposals.push_back({0.0, {placed.position, placed.orientation, {i, -1}}});
     }
-  });
-  return chooseApart(std::move(candidates), clearance);
+  };
+  return chooseApart(collect(surface, orientations, memory, propose), clearance);
 }
 
 void leaveOutCrowded(const Points& positions, double distance, std::vector<NewParticle>& newborn) {

@@ -92,6 +92,8 @@ bool LocalSurface::fits(const Placed& placed, double radius, std::vector<cloud::
                       [&](const cloud::Neighbor& q) { return normals_[q.index].dot(normal) > 0.0 && !sees(q.index, placed); });
 }
 
+double LocalSurface::reachOf(double scale) { return kReach * scale; }
+
 Placed LocalSurface::place(const Vec3& point, double scale, const Index (&parents)[2],
                            std::vector<cloud::Neighbor>& found) const {
   const auto isPart = [&](Index j) {

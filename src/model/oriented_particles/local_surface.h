@@ -50,6 +50,8 @@ class LocalSurface {
   /// mean of theirs, each turned with its normal. Neighbours: seen by one parent, within two and a half scales; the parent
   /// itself always counts.
   Placed place(const Vec3& point, double scale, const Index (&parents)[2], std::vector<cloud::Neighbor>& found) const;
+  /// How far from the point those neighbours lie at most, m.
+  static double reachOf(double scale);
 
   const Points& positions() const { return positions_; }
   const Points& normals() const { return normals_; }

@@ -23,6 +23,24 @@ struct NewParticle {
   Index parents[2];  // the second is -1 if it grew from one alone
 };
 
+/// What one rule has found, for its next call with the same spacing and parameters: it then looks only at particles around which
+/// something has changed, with the same result. Flags and reaches of particles that there were must be the same, and none apart.
+struct ProposalMemory {
+  struct Proposal {
+    double squared_gap;  // m^2: the order of proposals before their indices; the growing rule has none
+    NewParticle particle;
+  };
+  struct Look {
+    double reach = 0.0;  // m: what is farther from the particle had no part in it
+    std::vector<Proposal> proposals;
+  };
+
+  Points positions;  // (n x 3) m, of the last call
+  Orientations orientations;
+  std::vector<Look> looks;  // (n)
+  Index looked_at = 0;      // number of particles in the last call
+};
+
 /// The stretching rule [Szeliski and Tonnesen 1991, sec. 7]: two particles at d_min <= d <= d_max, both with kFillsGaps, get one
 /// halfway between them if no other lies within d_min / 2 of it. Pairs farther apart than the published d_max of 2.5 spacings
 /// (params.max_gap above it) need four fifths of d / 2 clear, which at that distance equals the published rule: only the two
@@ -35,11 +53,12 @@ struct NewParticle {
 /// crosses a valley or a ridge there is no gap.
 ///
 /// positions (n x 3) m; orientations, flags (n); spacing: r0, m, > 0; reaches (n or none): the widest gap, m, that a particle
-/// closes if that is less than max_gap; apart: particles that do not see each other, called in parallel. In the order of
-/// acceptance. Parallel; O(n (log n + k^2)) for k particles within max_gap. Throws InputError.
+/// closes if that is less than max_gap; apart: particles that do not see each other, called in parallel; memory: none, or of
+/// the last call. In the order of acceptance. Parallel; O(n (log n + k^2)) for k particles within max_gap. Throws InputError.
 std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
                                           const std::vector<char>& flags, double spacing, const GrowthParams& params,
-                                          const std::vector<double>& reaches = {}, const AreApart& apart = {});
+                                          const std::vector<double>& reaches = {}, const AreApart& apart = {},
+                                          ProposalMemory* memory = nullptr);
 
 /// The growing rule [sec. 7]: a particle with n_min to n_max neighbours (within neighbor_range, and seen) fills every gap between
 /// successive neighbours of theta_min to theta_max, seen along its normal, with round(gap / 60 degrees) - 1 particles at r0,
@@ -49,7 +68,7 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
 /// then from the earlier gap, stays. In a chain the directions are the two of the curve, each open if it has no neighbour.
 std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
                                       double spacing, const GrowthParams& params, const std::vector<double>& reaches = {},
-                                      const AreApart& apart = {});
+                                      const AreApart& apart = {}, ProposalMemory* memory = nullptr);
 
 /// Drops new particles nearer than a distance, m, to any given particle, whichever way it faces. The rules only see particles
 /// that face the same way; nearer to any other, repulsion would throw the new one off.
