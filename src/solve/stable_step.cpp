@@ -1,6 +1,7 @@
 #include "deformable_surface/solve/stable_step.h"
 
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,7 @@ namespace {
 // largest entry (sheets of 1024 and 4096 points with and without jitter, flat and falling): the step is then up to 1.5 % shorter,
 // and measuring takes several times as long.
 constexpr double kFaint = 0.04;
+constexpr Index kBlock = 1024;  // points per task: some microseconds of work
 
 // The stable step of a frequency w with a damping rate, both in 1/s; see the header.
 double limit(double w, double rate) {
@@ -30,18 +32,27 @@ double StableStep::estimate(double time, const State& state, const System& syste
     return limit(std::sqrt(4.0 / (known * known) + system.loadStiffness(time, state)), system.dampingRate(time, state));
   if (!system.hasStiffnessMatrix()) return limit(std::sqrt(system.boundStiffness(time, state)), system.dampingRate(time, state));
   const Index n = system.size();
+  const std::vector<double>& masses = system.masses();
   scale_.resize(3 * n);
-  for (Index i = 0; i < n; ++i)
-    scale_.segment<3>(3 * i).setConstant(system.isHeld(i) ? 0.0 : 1.0 / std::sqrt(system.masses()[i]));
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) scale_.segment<3>(3 * i).setConstant(system.isHeld(i) ? 0.0 : 1.0 / std::sqrt(masses[i]));
+  });
   const auto [matrix, left_out] = fillStiffness(time, state, system);
   // Of D K D with D = 1 / sqrt(mass), zero on held points.
+  scaled_.resize(3 * n);
+  const auto scale = [&](const Eigen::VectorXd& from, Eigen::VectorXd& to) {
+    parallelFor(3 * n, 3 * kBlock, [&](Index begin, Index end) {
+      const Index size = end - begin;
+      to.segment(begin, size) = scale_.segment(begin, size).cwiseProduct(from.segment(begin, size));
+    });
+  };
   double eigenvalue =
       left_out +
-      std::max(0.0, lanczos_.boundLargest(scale_, [this, matrix = matrix](const Eigen::VectorXd& v, Eigen::VectorXd& product) {
+      std::max(0.0, lanczos_.boundLargest(scale_, [&, matrix = matrix](const Eigen::VectorXd& v, Eigen::VectorXd& product) {
         endIfInterrupted();
-        scaled_ = scale_.cwiseProduct(v);
+        scale(v, scaled_);
         matrix->multiply(scaled_, product);
-        product = scale_.cwiseProduct(product);
+        scale(product, product);
       }));
   const double coefficient = system.rankOneStiffness(state, rank_one_);
   if (coefficient > 0.0)
@@ -66,12 +77,14 @@ std::pair<const BlockSparse*, double> StableStep::fillStiffness(double time, con
 
 // No eigenvalue is less than this.
 double StableStep::largestEntry(const BlockSparse& stiffness) const {
-  double largest = 0.0;
-  for (Index i = 0; i < stiffness.pattern().size(); ++i) {
-    const Mat3& block = stiffness.values()[stiffness.pattern().offsets[i]];
-    largest = std::max(largest, scale_[3 * i] * scale_[3 * i] * block.diagonal().maxCoeff());
-  }
-  return largest;
+  return parallelMax(stiffness.pattern().size(), kBlock, [&](Index begin, Index end) {
+    double largest = 0.0;
+    for (Index i = begin; i < end; ++i) {
+      const Mat3& block = stiffness.values()[stiffness.pattern().offsets[i]];
+      largest = std::max(largest, scale_[3 * i] * scale_[3 * i] * block.diagonal().maxCoeff());
+    }
+    return largest;
+  });
 }
 
 }  // namespace deformable_surface::solve

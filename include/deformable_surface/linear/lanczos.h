@@ -2,6 +2,7 @@
 // models use it.
 #pragma once
 
+#include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/random.h"
 
 #include <Eigen/Eigenvalues>
@@ -17,11 +18,11 @@ class Lanczos {
  public:
   template <class Apply>
   double boundLargest(const Eigen::VectorXd& allowed, const Apply& apply) {
-    const Eigen::Index n = allowed.size();
+    const Index n = static_cast<Index>(allowed.size());
     // A start vector with a part of every mode, always the same.
     std::uint32_t seed = kRandomSeed;
-    v_.resize(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::VectorXd* vector : {&v_, &w_, &previous_}) vector->resize(n);
+    for (Index i = 0; i < n; ++i) {
       nextRandom(seed);
       v_[i] = allowed[i] > 0.0 ? 0.5 + static_cast<double>(seed >> 8) / (1u << 24) : 0.0;
       if ((seed >> 5) & 1u) v_[i] = -v_[i];
@@ -34,21 +35,27 @@ class Lanczos {
     Small tridiagonal = Small::Zero(kSteps, kSteps);
     double beta = 0.0;
     int m = 0;
-    while (m < kSteps) {
+    do {
       apply(v_, w_);
-      if (m > 0) {
-        w_ -= beta * previous_;
-        tridiagonal(m - 1, m) = tridiagonal(m, m - 1) = beta;
-      }
-      const double alpha = w_.dot(v_);
+      const bool is_first = m == 0;
+      if (!is_first) tridiagonal(m - 1, m) = tridiagonal(m, m - 1) = beta;
+      const double alpha = parallelSum(n, kBlock, [&](Index begin, Index end) {
+        auto w = w_.segment(begin, end - begin);
+        if (!is_first) w -= beta * previous_.segment(begin, end - begin);
+        return w.dot(v_.segment(begin, end - begin));
+      });
       tridiagonal(m, m) = alpha;
       ++m;
-      w_ -= alpha * v_;
-      beta = w_.norm();
+      beta = std::sqrt(parallelSum(n, kBlock, [&](Index begin, Index end) {
+        auto w = w_.segment(begin, end - begin);
+        w -= alpha * v_.segment(begin, end - begin);
+        return w.squaredNorm();
+      }));
       if (!(beta > 1e-12 * std::abs(tridiagonal(0, 0)))) break;
-      previous_ = v_;
-      v_ = w_ / beta;
-    }
+      previous_.swap(v_);
+      parallelFor(n, kBlock,
+                  [&](Index begin, Index end) { v_.segment(begin, end - begin) = w_.segment(begin, end - begin) / beta; });
+    } while (m < kSteps);
     const Eigen::SelfAdjointEigenSolver<Small> solver(tridiagonal.topLeftCorner(m, m));
     return solver.eigenvalues()[m - 1] + beta * std::abs(solver.eigenvectors()(m - 1, m - 1));
   }
@@ -56,6 +63,7 @@ class Lanczos {
  private:
   // The largest eigenvalue of meshes is then known to about a percent. The residual bounds the error.
   static constexpr int kSteps = 30;
+  static constexpr Index kBlock = 3072;  // numbers per task: a microsecond of work
   Eigen::VectorXd v_, w_, previous_;
 };
 
