@@ -316,33 +316,9 @@ TEST(Clearance, IsRightForPartsOfAnyMotion) {
   EXPECT_GT(num_none, 2);
 }
 
-// A closed surface: circles of points between two poles.
-test::Sheets makeBall(Index circles, Index around) {
-  test::Sheets ball;
-  for (Index i = 0; i < circles; ++i)
-    for (Index k = 0; k < around; ++k) {
-      const double down = M_PI * (i + 1) / (circles + 1), about = 2.0 * M_PI * k / around;
-      ball.points.push_back(0.05 * Vec3(std::sin(down) * std::cos(about), std::sin(down) * std::sin(about), std::cos(down)));
-    }
-  const Index top = circles * around, bottom = top + 1;
-  ball.points.emplace_back(0.0, 0.0, 0.05);
-  ball.points.emplace_back(0.0, 0.0, -0.05);
-  for (Index k = 0; k < around; ++k) {
-    const Index next = (k + 1) % around, last = (circles - 1) * around;
-    ball.triangles.push_back({top, k, next});
-    ball.triangles.push_back({bottom, last + next, last + k});
-    for (Index i = 0; i + 1 < circles; ++i) {
-      const Index a = i * around;
-      ball.triangles.push_back({a + k, a + around + k, a + around + next});
-      ball.triangles.push_back({a + k, a + around + next, a + next});
-    }
-  }
-  return ball;
-}
-
 // Closed surfaces have no proof as a whole.
 TEST(Clearance, KnowsPartsOfAClosedSurface) {
-  const test::Sheets ball = makeBall(20, 40);
+  const test::Sheets ball = test::makeBall(20, 40);
   const PairList list(ball.points, ball.triangles, 1e-4);
   Clearance clearance(ball.points, ball.triangles, 1.5e-4, &list.patches());
   const Points at_rest = still(ball.points.size());

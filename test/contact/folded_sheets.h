@@ -3,6 +3,7 @@
 
 #include "deformable_surface/contact/pair_list.h"
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -34,6 +35,30 @@ inline Sheets makeSheets(int num, int n, double gap, double jitter, unsigned see
       }
   }
   return sheets;
+}
+
+/// A closed surface: circles of points between two poles, 5 cm from the middle.
+inline Sheets makeBall(Index circles, Index around) {
+  Sheets ball;
+  for (Index i = 0; i < circles; ++i)
+    for (Index k = 0; k < around; ++k) {
+      const double down = M_PI * (i + 1) / (circles + 1), about = 2.0 * M_PI * k / around;
+      ball.points.push_back(0.05 * Vec3(std::sin(down) * std::cos(about), std::sin(down) * std::sin(about), std::cos(down)));
+    }
+  const Index top = circles * around, bottom = top + 1;
+  ball.points.emplace_back(0.0, 0.0, 0.05);
+  ball.points.emplace_back(0.0, 0.0, -0.05);
+  for (Index k = 0; k < around; ++k) {
+    const Index next = (k + 1) % around, last = (circles - 1) * around;
+    ball.triangles.push_back({top, k, next});
+    ball.triangles.push_back({bottom, last + next, last + k});
+    for (Index i = 0; i + 1 < circles; ++i) {
+      const Index a = i * around;
+      ball.triangles.push_back({a + k, a + around + k, a + around + next});
+      ball.triangles.push_back({a + k, a + around + next, a + next});
+    }
+  }
+  return ball;
 }
 
 }  // namespace deformable_surface::test

@@ -400,6 +400,19 @@ TEST(SelfContact, PartsOfAnyThicknessThatComeNearerMayTouch) {
   }
 }
 
+// Proofs of parts, which cost more than the lists that they save, would leave couples of patches out.
+TEST(SelfContact, OfClosedSurfacesSearchesAllPartsAtOnce) {
+  const test::Sheets ball = test::makeBall(20, 40);
+  SelfContact contact = makeContact(ball, ball.points, {0.0001, 400.0, 0.05});
+  ASSERT_FALSE(Clearance(ball.points, ball.triangles, 0.0001).hasOutline());
+  PairList all(ball.points, ball.triangles, 0.0001);
+  all.update(ball.points, 0.0002);
+  Points velocities;
+  for (const Vec3& p : ball.points) velocities.push_back(Vec3(0.0, 0.0, -0.3 * p.z()));
+  EXPECT_FALSE(contact.mayTouch(ball.points, velocities, 1.0));
+  EXPECT_GE(contact.numSearches(), all.numSearches());
+}
+
 TEST(SelfContact, DoesNotDependOnWhatWasAskedBefore) {
   const test::Sheets sheets = test::makeSheets(3, 6, 0.0018, 0.0004);
   const Points rest = spread(sheets.points, 36);
