@@ -4,7 +4,9 @@
 #include "cloud/test_surfaces.h"
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
+#include "deformable_surface/simulation/expectations.h"
 #include "particles.h"
+#include "support/figures.h"
 
 #include <gtest/gtest.h>
 
@@ -139,6 +141,19 @@ TEST(ParticleLife, GrowthThatIsNotCompleteIsAWarning) {
       << particles;
   const std::string lonely = warningOf([](auto&, auto& cloud) { cloud.positions.emplace_back(0.5, 0.5, 3.0); });
   EXPECT_NE(lonely.find("1 particle belongs to no surface, the first at 0.5, 0.5, 3"), std::string::npos) << lonely;
+}
+
+// Two balls dent a sphere from both ends. Without the tube between the dents particles between the balls are thrown off.
+TEST(ParticleLife, DentsThatMeetBetweenTwoBallsBecomeATunnel) {
+  simulation::SceneParams p = loadScene("particles_torus");
+  p.cloud.points = 800;
+  p.material.bending_rigidity = 0.0635;  // 0.14 E h a^2
+  simulation::Simulation s = makeSimulation(p);
+  runScene(s);
+  EXPECT_EQ(simulation::computeQuantity("components", s), 1.0);
+  EXPECT_EQ(simulation::computeQuantity("boundary_loops", s), 0.0);
+  EXPECT_EQ(simulation::computeQuantity("euler_characteristic", s), 0.0);
+  EXPECT_EQ(simulation::computeQuantity("isolated", s), 0.0);
 }
 
 // A soft sheet that breaks under its weight draws up into clumps. Its particles have more bonds each then, and a step costs as

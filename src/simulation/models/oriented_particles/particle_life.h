@@ -59,8 +59,9 @@ class ParticleLife : public Evolution, public solve::Breaking {
   void reportArrival(const model::State& state, Population& changes);
   void requireRoom(const model::State& state, const std::vector<Index>& placed) const;
   void heat(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) const;
-  void remove(double time, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state,
-              Population& changes) const;
+  void remove(double time, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state, Population& changes);
+  bool mayJoin(const model::State& state) const;
+  std::vector<model::NewParticle> join(double time, const std::vector<tool::ToolParams>& tools, const model::State& state);
   void markMeeting(const model::State& state) const;
   void append(const model::NewParticle& particle, model::State& state) const;
   void followBirths(const model::State& state, Index first, const std::vector<model::NewParticle>& born);

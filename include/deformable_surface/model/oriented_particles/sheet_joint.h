@@ -1,0 +1,36 @@
+// Where two sheets of oriented particles meet, both are opened and their rims are joined by a tube: a change of topology in one
+// piece, as pure geometry. Apart from growth.h, whose rules add particles to a surface and never change its topology by intent.
+#pragma once
+
+#include "deformable_surface/model/oriented_particles/growth.h"
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace deformable_surface::model {
+
+/// New particles of a joint.
+constexpr Index kTubeParticles = 14;
+
+struct SheetJoint {
+  std::vector<char> is_gone;      // (n): those that were, and those inside the rims
+  std::vector<NewParticle> tube;  // parents: remaining particles, the nearest above and below its middle
+};
+
+/// Joins two sheets where they come nearest to each other, of all places where two particles i < j
+///   - are at most `meeting` apart, and face opposite ways (by 120 degrees or more) along the line between them,
+///   - may be joined: may_join(i, j),
+///   - and are not within eight steps from neighbour to neighbour of each other: no narrow tube is pinched off.
+/// The sheets are back to back, like dents, or front to front, like a stem that lands. The axis of the tube is the mean of the
+/// normals of such pairs near the nearest one, its middle that of the pairs. The tube is two rings of seven particles a spacing
+/// apart. Its profile is that of a half circle from sheet to sheet, so normals turn by 60 degrees from particle to particle.
+///
+/// positions (n x 3) m; orientations, is_gone (n): those that take no part; spacing, meeting: m, > 0; candidates:
+/// particles that may_join() may accept, ascending. A function of the geometry and the indices alone. O(n log n) if there are
+/// candidates.
+std::optional<SheetJoint> joinSheets(const Points& positions, const Orientations& orientations, const std::vector<char>& is_gone,
+                                     double spacing, double meeting, const std::vector<Index>& candidates,
+                                     const std::function<bool(Index, Index)>& may_join);
+
+}  // namespace deformable_surface::model
