@@ -106,6 +106,17 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
 
 namespace {
 
+// Whether no free point has moved, and there is one.
+bool doAllStay(const System& system, const Points& before, const Points& after) {
+  bool is_any_free = false;
+  for (Index i = 0; i < static_cast<Index>(before.size()); ++i) {
+    if (system.isHeld(i)) continue;
+    if (after[i] != before[i]) return false;
+    is_any_free = true;
+  }
+  return is_any_free;
+}
+
 // One number per coordinate: the loops below run over plain arrays. kick: 0 for points that do not drift. from: may be position.
 // force: at the beginning; next: its estimate at the end, for the velocity predicted there.
 DEFORMABLE_SURFACE_WIDE void kickAndDrift(Index size, double decay, double dt, const double* kick, const double* force,
@@ -201,33 +212,13 @@ void VelocityVerlet::prepare(const System& system, double dt, const State& state
       if (is_damped) std::fill_n(&mass_[3 * i], 3, is_held ? 0.0 : masses[i]);
     }
   });
-  carried_.clear();
+  findCarried(system, state, carried_);
   carrying_work_ = stopping_work_ = 0.0;
   if (system.motionLimit() && !system.motionLimit()->parts().empty()) bearing_.begin(system);
-  for (Index i = 0; i < n; ++i)
-    if (system.isHeld(i) && !state.velocities[i].isZero(0.0))
-      carried_.push_back({i, state.velocities[i], state.positions[i], Vec3::Zero(), state.positions[i], Vec3::Zero()});
-}
-
-// What carries points bears the forces on them.
-void VelocityVerlet::addLoads(const System& system, double time, const State& state) {
-  if (carried_.empty()) return system.addLoads(time, state, forces_);
-  system.addLoadsOnAll(time, state, forces_);
-  for (Carried& c : carried_) {
-    carrying_work_ -= 0.5 * (c.force + forces_[c.point]).dot(state.positions[c.point] - c.place);
-    c.force = forces_[c.point];
-    c.place = state.positions[c.point];
-  }
-  for (Index i = 0; i < state.size(); ++i)
-    if (system.isHeld(i)) forces_[i].setZero();
 }
 
 void VelocityVerlet::bearSlow(const Points& positions) {
-  for (Carried& c : carried_) {
-    carrying_work_ -= 0.5 * (c.slow + slow_forces_[c.point]).dot(positions[c.point] - c.slow_place);
-    c.slow = slow_forces_[c.point];
-    c.slow_place = positions[c.point];
-  }
+  for (CarriedPoint& c : carried_) carrying_work_ += c.slow.moveTo(positions[c.point], slow_forces_[c.point]);
 }
 
 // The forces where an outer step begins or ends. The slow forces' kick is that of all its sub-steps.
@@ -248,7 +239,7 @@ void VelocityVerlet::beginForces(const System& system, double time, Index inner,
     if (has_slow) system.computeSlowForces(state, slow_forces_);
   }
   forces_ = fast_forces_;
-  addLoads(system, time, state);
+  carrying_work_ += addLoads(system, time, state, carried_, forces_);
   if (!has_slow) return;
   bearSlow(state.positions);
   addSlow(inner);
@@ -293,11 +284,14 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       (s == 0 ? kickAndDrift : kickTwiceAndDrift)(end - begin, half_decay, dt, &kick_[begin], force + begin, next + begin,
                                                   from + begin, velocity + begin, predicted + begin, position + begin);
     });
-    for (const Carried& c : carried_) {
+    for (const CarriedPoint& c : carried_) {
       state.positions[c.point] = Eigen::Map<const Vec3>(from + 3 * c.point) + dt * c.velocity;
       predicted_.velocities[c.point] = c.velocity;
     }
-    if (limit) stopped = &limitMotion(system, *limit, dt, half_decay, s == 0, force, state);
+    if (limit) {
+      stopped = &limitMotion(system, *limit, dt, half_decay, s == 0, force, state);
+      report.halted += !stopped->empty() && doAllStay(system, before_, state.positions);
+    }
     // Forces at the new place.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
@@ -315,7 +309,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       report.has_broken = true;
       report.released += reached.released;
     }
-    addLoads(system, time + (s + 1) * dt, predicted_);
+    carrying_work_ += addLoads(system, time + (s + 1) * dt, predicted_, carried_, forces_);
     system.remember(time + (s + 1) * dt, dt, predicted_);
     if (ends) {
       system.computeSlowForces(predicted_, slow_forces_);
@@ -335,7 +329,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   });
   if (stopped && !stopped->empty()) bearLastKick(system, dt, *stopped, has_slow ? forces_with_slow_ : forces_, state);
   if (!removeStoppingWork(system, state)) report.halted = report.substeps;
-  for (const Carried& c : carried_) state.velocities[c.point] = c.velocity;
+  for (const CarriedPoint& c : carried_) state.velocities[c.point] = c.velocity;
   report.carrying_work = carrying_work_;
   state.friction.swap(predicted_.friction);
   state.escaped = predicted_.escaped;
@@ -370,7 +364,7 @@ const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, cons
   }
   // What carries held points makes up for the momentum that they give.
   double carried = 0.0;
-  for (const Carried& c : carried_) {
+  for (const CarriedPoint& c : carried_) {
     const Vec3 now = (state.positions[c.point] - before_[c.point]) / dt;
     carried += system.masses()[c.point] * (c.velocity - now).dot(now);
   }

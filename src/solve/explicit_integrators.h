@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bearing_parts.h"
+#include "carried_points.h"
 #include "deformable_surface/solve/integrator.h"
 
 #include <utility>
@@ -46,7 +47,6 @@ class VelocityVerlet : public Integrator {
  private:
   void prepare(const System& system, double dt, const State& state);
   void beginForces(const System& system, double time, Index inner, const State& state);
-  void addLoads(const System& system, double time, const State& state);
   void bearSlow(const Points& positions);
   void addSlow(Index inner);
   const std::vector<Index>& limitMotion(const System& system, const MotionLimit& limit, double dt, double half_decay,
@@ -60,19 +60,13 @@ class VelocityVerlet : public Integrator {
   Points fast_forces_, slow_forces_, last_positions_;  // the forces belong to last_positions_ between steps
   Points forces_, forces_with_slow_;                   // loads included
   State predicted_;
-  struct Carried {
-    Index point;
-    Vec3 velocity;          // m/s
-    Vec3 place, force;      // m and N, at the end of a sub-step, slow forces left out
-    Vec3 slow_place, slow;  // m and N, where slow forces acted last
-  };
-  std::vector<Carried> carried_;  // held points in motion
-  double carrying_work_ = 0.0;    // J, of what carries them in the step
-  BearingParts bearing_;          // stopped: in the step
-  double stopping_work_ = 0.0;    // J, done in the step by limits of motion; negative: taken
-  Points before_;                 // m, at the beginning of a sub-step, where motion is limited
-  std::vector<double> kick_;      // (3 n) dt / 2 over mass, zero on held points
-  std::vector<double> mass_;      // (3 n) kg, zero on held points; empty without damping
+  std::vector<CarriedPoint> carried_;
+  double carrying_work_ = 0.0;  // J, of what carries them in the step
+  BearingParts bearing_;        // stopped: in the step
+  double stopping_work_ = 0.0;  // J, done in the step by limits of motion; negative: taken
+  Points before_;               // m, at the beginning of a sub-step, where motion is limited
+  std::vector<double> kick_;    // (3 n) dt / 2 over mass, zero on held points
+  std::vector<double> mass_;    // (3 n) kg, zero on held points; empty without damping
 };
 
 }  // namespace deformable_surface::solve

@@ -89,22 +89,9 @@ void OrientedVerlet::evaluate(const System& system, double time, const State& st
     report.has_broken = true;
     report.released += reached.released;
   }
-  addLoads(system, time, state, report);
+  *report.carrying_work += addLoads(system, time, state, carried_, forces_);
   system.holdTurns(torques_);
   report.time_forces += timer.seconds();
-}
-
-// What carries points bears the forces on them.
-void OrientedVerlet::addLoads(const System& system, double time, const State& state, SolveReport& report) {
-  if (carried_.empty()) return system.addLoads(time, state, forces_);
-  system.addLoadsOnAll(time, state, forces_);
-  for (Carried& c : carried_) {
-    *report.carrying_work -= 0.5 * (c.force + forces_[c.point]).dot(state.positions[c.point] - c.place);
-    c.force = forces_[c.point];
-    c.place = state.positions[c.point];
-  }
-  for (Index i = 0; i < state.size(); ++i)
-    if (system.isHeld(i)) forces_[i].setZero();
 }
 
 // Held points keep their velocities.
@@ -130,9 +117,7 @@ SolveReport OrientedVerlet::advance(const System& system, double time, double st
   const double dt = step / report.substeps;
   const Index n = state.size();
   prepare(system, 0.5 * dt);
-  carried_.clear();
-  for (Index i = 0; i < n; ++i)
-    if (system.isHeld(i) && !state.velocities[i].isZero(0.0)) carried_.push_back({i, state.positions[i], Vec3::Zero()});
+  findCarried(system, state, carried_);
   report.carrying_work = 0.0;
   evaluate(system, time, state, When::kBegin, report);
   const auto forEachBlock = [&](const auto& kick, bool drifts) {

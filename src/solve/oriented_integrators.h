@@ -2,7 +2,10 @@
 // faster without this code.
 #pragma once
 
+#include "carried_points.h"
 #include "deformable_surface/solve/integrator.h"
+
+#include <vector>
 
 namespace deformable_surface::solve {
 
@@ -21,13 +24,8 @@ class OrientedVerlet : public Integrator {
   bool isAtLastEnd(const System& system, const State& state) const;
   void prepare(const System& system, double half);
   void evaluate(const System& system, double time, const State& state, When when, SolveReport& report);
-  void addLoads(const System& system, double time, const State& state, SolveReport& report);
 
-  struct Carried {
-    Index point;
-    Vec3 place, force;  // m and N, at the end of a sub-step
-  };
-  std::vector<Carried> carried_;         // held points in motion
+  std::vector<CarriedPoint> carried_;
   Points forces_, torques_, predicted_;  // N, N m, m/s
   // At the end of the last step: the model's forces and torques, and where they are valid.
   Points elastic_forces_, elastic_torques_, last_positions_;
