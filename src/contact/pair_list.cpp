@@ -162,15 +162,29 @@ void PairList::update(const Points& positions, const Points& next, const Reach& 
   are_far_ = areFar(positions, next, reach, cover);
   if (are_far_) return;
   const bool rests = &positions == &next;
-  const double farthest = reach.of(rests ? 0.0 : findLargestRelativeWay(positions, next));
-  const double gone = at_.empty() ? 0.0 : findLargestRelativeWay(at_, positions);
+  update(positions, reach, cover, rests ? 0.0 : findLargestRelativeWay(positions, next), [&] {
+    if (rests)
+      next_ways_.assign(patches_.size(), {Vec3::Zero(), Vec3::Zero()});
+    else
+      patches_.measureWays(positions, next, open_patches_, next_ways_);
+  });
+}
+
+void PairList::update(const Points& positions, const std::vector<double>& ways, const Reach& reach) {
+  are_far_ = edges_.empty();
+  if (are_far_) return;
+  update(positions, reach, nullptr, 2.0 * *std::max_element(ways.begin(), ways.end()),
+         [&] { patches_.boundWays(ways, next_ways_); });
+}
+
+template <class MeasureWays>
+void PairList::update(const Points& positions, const Reach& reach, const Cover* cover, double largest,
+                      const MeasureWays& measureWays) {
+  const double farthest = reach.of(largest), gone = at_.empty() ? 0.0 : findLargestRelativeWay(at_, positions);
   if (at_.empty()) at_ = positions;
   findOpen(cover);
   patches_.measureWays(at_, positions, open_patches_, ways_);
-  if (rests)
-    next_ways_.assign(patches_.size(), {Vec3::Zero(), Vec3::Zero()});
-  else
-    patches_.measureWays(positions, next, open_patches_, next_ways_);
+  measureWays();
   const bool are_all_coupled = apart_ - gone >= farthest, are_worn = num_visits_ > kMostVisits * num_listed_;
   markExpired(reach);
   if (are_all_coupled && expired_.empty() && !are_worn) return rememberNearest(positions, apart_ - gone);
@@ -186,7 +200,7 @@ void PairList::update(const Points& positions, const Points& next, const Reach& 
     findCouples(positions, farthest);
     revision_ = -1;
     findOpen(cover);
-    if (!rests) patches_.measureWays(positions, next, open_patches_, next_ways_);
+    measureWays();
   }
   markExpired(reach);
   if (!expired_.empty()) searchExpired(positions);

@@ -109,6 +109,16 @@ void Patches::measureWays(const Points& from, const Points& to, const std::vecto
   });
 }
 
+// Along one axis, so that the relative way of two patches is the sum of theirs.
+void Patches::boundWays(const std::vector<double>& lengths, std::vector<Ways>& ways) const {
+  ways.resize(size());
+  for (Index p = 0; p < size(); ++p) {
+    double longest = 0.0;
+    for (Index k = patches_[p].vertices; k < patches_[p + 1].vertices; ++k) longest = std::max(longest, lengths[corners_[k]]);
+    ways[p] = {-longest * Vec3::UnitX(), longest * Vec3::UnitX()};
+  }
+}
+
 namespace {
 
 constexpr Index kLanes = 12;  // coordinates of four points

@@ -20,6 +20,10 @@ constexpr int kPasses = 8;           // of a round
 constexpr double kSettled = 1e-3;    // of the farthest motion: smaller changes of ways are no reason for another pass
 constexpr double kRounding = 1e-15;  // m
 constexpr double kOutrun = 32.0;     // of the usual reach, ten edges or so: beyond it collisions are not worth it
+// Where the farthest way is longer than the usual reach, a third of an edge, few points are mostly that fast. Each point then has
+// a bound of its own, at least a share of the farthest way. Points that collisions drive beyond it are allowed more.
+constexpr double kSlow = 1.0 / 64.0;
+constexpr int kRaises = 3;
 
 }  // namespace
 
@@ -66,6 +70,42 @@ SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& 
   return approach;
 }
 
+// Pairs that are farther apart cannot use up their room.
+void SelfContact::findAllApproaches(const Points& before, double longest) {
+  const double reach = kLeast * list_.thickness() + 2.0 / kOfRoom * longest;
+  approaches_.clear();
+  for (const Near& near : measure(before, reach))
+    if (near.distance < reach && near.distance > 0.0) approaches_.push_back(makeApproach(near, before));
+}
+
+void SelfContact::findApproaches(const Points& before) {
+  approaches_.clear();
+  list_.update(before, allowed_, {kLeast * list_.thickness(), 1.0 / kOfRoom});
+  list_.visitNear([&](const Pair& pair, double least) {
+    double first = 0.0, second = 0.0;
+    for (int v = 0; v < 4; ++v) {
+      double& farthest = v < pair.numFirst() ? first : second;
+      farthest = std::max(farthest, allowed_[pair.vertices[v]]);
+    }
+    const double reach = kLeast * pair.thickness + (first + second) / kOfRoom;
+    if (!(least < reach)) return;
+    const Closest closest = findClosest(pair, before);
+    const double distance = std::sqrt(closest.squaredDistance());
+    if (distance < reach && distance > 0.0) approaches_.push_back(makeApproach({pair, closest, distance}, before));
+  });
+}
+
+bool SelfContact::allowMore(double longest) {
+  bool any = false;
+  for (std::size_t i = 0; i < allowed_.size(); ++i) {
+    const double way = std::min(longest, ways_[i].norm());
+    if (!(way > allowed_[i])) continue;
+    allowed_[i] = std::min(longest, 2.0 * way);
+    any = true;
+  }
+  return any;
+}
+
 // A plane across the gap separates two convex primitives. Take the point of the first that moves farthest towards the second, and
 // the point of the second that moves farthest towards the first. If both together use less than the gap, a moving plane between
 // them remains a separating plane. Common motion does not count.
@@ -95,9 +135,8 @@ SelfContact::Worst SelfContact::findWorst(const Approach& approach) const {
 // Exchanges momentum between the points of pairs that would use more than their room, one pair after the other, until none does.
 // Momentum pushes but never pulls: what an earlier exchange has pushed farther than later ones leave necessary is taken back
 // (projected Gauss-Seidel). Otherwise layers that press on each other would be driven apart, and gain energy. The passes begin
-// with what was exchanged in the sub-step before: a jam bears nearly the same forces again. The first sub-step of Verlet bears
-// half.
-void SelfContact::collide(bool continues, double settled) {
+// with what was exchanged before, mostly in the last sub-step: a jam bears nearly the same forces again.
+void SelfContact::collide(double settled) {
   exchangeAgain();
   const int rounds = last_exchanges_.empty() ? kColdRounds : kRounds;
   bool is_done = false;
@@ -114,11 +153,8 @@ void SelfContact::collide(bool continues, double settled) {
       for (Approach* approach : pushing_) is_settled = !collide(*approach, settled) && is_settled;
     }
   }
-  for (const Approach* approach : pushing_) {
-    exchanges_.push_back({approach->vertices, approach->num_first, approach->pushed});
-    if (!continues)
-      for (double& momentum : exchanges_.back().pushed) momentum *= 2.0;
-  }
+  exchanges_.clear();
+  for (const Approach* approach : pushing_) exchanges_.push_back({approach->vertices, approach->num_first, approach->pushed});
   std::sort(exchanges_.begin(), exchanges_.end());
 }
 
@@ -262,20 +298,40 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
     moveAsOne(before, does_one_stay, after);
     return cut_;
   }
-  // Pairs that are farther apart cannot use up their room.
-  const double reach = kLeast * list_.thickness() + 2.0 / kOfRoom * std::sqrt(farthest);
-  approaches_.clear();
-  for (const Near& near : measure(before, reach))
-    if (near.distance < reach && near.distance > 0.0) approaches_.push_back(makeApproach(near, before));
-  if (approaches_.empty()) return cut_;
-  is_cut_.assign(n, 0);
+  const double longest = std::sqrt(farthest);
+  const bool are_few_fast = longest > list_.usualReach();
+  allowed_.assign(are_few_fast ? n : 0, 0.0);
+  if (are_few_fast)
+    for (Index i = 0; i < n; ++i) allowed_[i] = std::max(kSlow * longest, ways_[i].norm());
+  free_ways_ = ways_;
   mobility_.resize(n);
   for (Index i = 0; i < n; ++i) mobility_[i] = after[i] == before[i] ? 0.0 : 1.0 / masses_[i];
-  collide(continues, kSettled * std::sqrt(farthest));
-  // Pairs outside this list stay apart if no point moves farther than the farthest one before the change.
-  for (Vec3& way : ways_)
-    if (way.squaredNorm() > farthest) way *= std::sqrt(farthest / way.squaredNorm());
+  for (int raises = 0;; ++raises) {
+    if (are_few_fast)
+      findApproaches(before);
+    else
+      findAllApproaches(before, longest);
+    if (approaches_.empty()) return cut_;
+    is_cut_.assign(n, 0);
+    collide(kSettled * longest);
+    if (raises == kRaises || !allowMore(longest)) break;
+    ways_ = free_ways_;
+    last_exchanges_.swap(exchanges_);
+  }
+  // The first sub-step of Verlet bears half.
+  if (!continues)
+    for (Exchange& exchange : exchanges_)
+      for (double& momentum : exchange.pushed) momentum *= 2.0;
+  // Pairs outside this list stay apart if no point moves farther than allowed.
+  for (Index i = 0; i < n; ++i) {
+    const double most = are_few_fast ? allowed_[i] * allowed_[i] : farthest;
+    if (ways_[i].squaredNorm() > most) ways_[i] *= std::sqrt(most / ways_[i].squaredNorm());
+  }
   stopTogether();
+  while (allowMore(longest)) {
+    findApproaches(before);
+    stopTogether();
+  }
   for (Index i = 0; i < n; ++i) {
     if (is_cut_[i] == 0) continue;
     after[i] = before[i] + shared + ways_[i];

@@ -314,6 +314,48 @@ TEST(SelfContact, NothingCrossesOnLimitedWays) {
   EXPECT_GT(num_crossing_before, 100);
 }
 
+// A few points fly by up to five edges, the others hardly move.
+TEST(SelfContact, NothingCrossesWhereFewPointsAreFast) {
+  std::mt19937 generator(3);
+  Index num_crossing_before = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const test::Sheets sheets = test::makeSheets(3, 8, 0.0025, 0.0006, seed);
+    SelfContact contact = makeContact(sheets, spread(sheets.points, 64));
+    Points positions = sheets.points;
+    for (int step = 0; step < 12; ++step) {
+      Points after = positions;
+      double wanted_energy = 0.0, energy = 0.0;  // the motion up to a factor
+      for (std::size_t i = 0; i < after.size(); ++i) {
+        const bool is_fast = (i + 17 * step) % 61 == 0;
+        after[i] += (is_fast ? 0.07 : 1e-4) * test::randomVector(generator);
+        wanted_energy += massOf(i) * (after[i] - positions[i]).squaredNorm();
+      }
+      num_crossing_before += !test::findCrossings(after, sheets.triangles).empty();
+      contact.limit(positions, after);
+      for (std::size_t i = 0; i < after.size(); ++i) energy += massOf(i) * (after[i] - positions[i]).squaredNorm();
+      EXPECT_LE(energy, wanted_energy);
+      for (int k = 1; k <= 10; ++k) {
+        Points between;
+        for (std::size_t i = 0; i < after.size(); ++i) between.push_back(positions[i] + 0.1 * k * (after[i] - positions[i]));
+        ASSERT_TRUE(test::findCrossings(between, sheets.triangles).empty()) << seed << ' ' << step << ' ' << k;
+      }
+      positions = after;
+    }
+  }
+  EXPECT_GT(num_crossing_before, 60);
+}
+
+TEST(SelfContact, LooksOnlyAroundAFastPoint) {
+  const test::Sheets sheets = test::makeSheets(1, 40, 0.0, 0.0004);
+  SelfContact contact = makeContact(sheets, sheets.points, {0.0004, 400.0, 0.05});
+  Points after = sheets.points;
+  after[820] += Vec3(0.006, 0.0, 0.006);  // three edges
+  EXPECT_FALSE(contact.limit(sheets.points, after).empty());
+  EXPECT_GT(contact.numApproaches(), 100);
+  // Of the 1600 points each has as many pairs within the same distance.
+  EXPECT_LT(contact.numApproaches(), 20000);
+}
+
 TEST(SelfContact, CollisionsKeepMomentum) {
   const test::Sheets sheets = test::makeSheets(2, 5, 0.0016, 0.0);
   SelfContact contact = makeContact(sheets, spread(sheets.points, 25));

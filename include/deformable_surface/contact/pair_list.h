@@ -73,6 +73,8 @@ class PairList {
   void update(const Points& positions, double reach, const Cover* cover = nullptr) {
     update(positions, positions, {reach}, cover);
   }
+  /// The same for ways in any direction, from their greatest lengths: ways: (n) m.
+  void update(const Points& positions, const std::vector<double>& ways, const Reach& reach);
   /// Calls visit(pair, least) for the pairs that may be within reach at the positions of the last update(). least: m, a lower
   /// bound of their distance there. The order does not depend on when the lists were built.
   template <class Visit>
@@ -140,6 +142,9 @@ class PairList {
 
   /// Whether a vertex of each primitive are one of the couples, which are ascending, the lower vertex first.
   static bool isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair);
+  /// measureWays(): sets next_ways_ of the open patches. largest: m, a bound of the relative ways of all patches.
+  template <class MeasureWays>
+  void update(const Points& positions, const Reach& reach, const Cover* cover, double largest, const MeasureWays& measureWays);
   void findCouples(const Points& positions, double reach);
   void findOpen(const Cover* cover);
   void rememberNearest(const Points& positions, double apart);

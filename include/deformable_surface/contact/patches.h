@@ -50,6 +50,8 @@ class Patches {
   void measureWays(const Points& from, const Points& to, std::vector<Ways>& ways) const;
   /// The same for some of the patches; the ways of the others stay.
   void measureWays(const Points& from, const Points& to, const std::vector<Index>& patches, std::vector<Ways>& ways) const;
+  /// For ways in any direction, from their greatest lengths: lengths: (n) m.
+  void boundWays(const std::vector<double>& lengths, std::vector<Ways>& ways) const;
 
  private:
   Ways waysOf(Index patch, const Points& from, const Points& to) const;

@@ -123,6 +123,8 @@ class SelfContact {
   /// Forgets the motion since the last mayTouch(), for a call of limit() outside of a step.
   void forgetMotion();
   Index numSearches() const { return list_.numSearches(); }
+  /// Number of pairs that the last limit() has let collide.
+  Index numApproaches() const { return static_cast<Index>(approaches_.size()); }
   const PairList& pairs() const { return list_; }
 
  private:
@@ -204,9 +206,14 @@ class SelfContact {
   /// Adds the forces that turn nearly parallel edges: their weight depends on the angle.
   void addTurning(const Near& near, const Points& positions, Points& forces) const;
   Approach makeApproach(const Near& near, const Points& before) const;
+  /// Fills approaches_ with the pairs that may use up their room if no point moves farther than longest, m, or than allowed_.
+  void findAllApproaches(const Points& before, double longest);
+  void findApproaches(const Points& before);
+  /// Raises allowed_ where points move farther, to twice their way, but at most to longest, m. Returns whether any did.
+  bool allowMore(double longest);
   Worst findWorst(const Approach& approach) const;
-  /// continues: as in limit(). settled: m, smaller changes are no reason for another pass.
-  void collide(bool continues, double settled);
+  /// settled: m, smaller changes are no reason for another pass.
+  void collide(double settled);
   /// Of one pair. Returns whether it would have used more than its room, or much less than it was pushed for.
   bool collide(Approach& approach, double settled);
   /// Between a point of the first primitive and one of the second.
@@ -229,11 +236,12 @@ class SelfContact {
   Points measured_at_;
   double measured_reach_ = 0.0;
   std::vector<Near> near_;
-  Points ways_;                   // m, without the common motion
+  Points ways_, free_ways_;       // m, without the common motion; before collisions
+  std::vector<double> allowed_;   // m, for which approaches_ are complete; empty: as far as the farthest moves
   std::vector<double> mobility_;  // 1/kg, zero for fixed points
   std::vector<Approach> approaches_;
   std::vector<Approach*> pushing_;
-  std::vector<Exchange> exchanges_, last_exchanges_;  // of this call of limit() and the one before, in order
+  std::vector<Exchange> exchanges_, last_exchanges_;  // of these collisions and those before, in order
   Points zone_motion_;                                // kg m
   std::vector<double> zone_mass_;                     // kg; infinite: fixed
   std::vector<Index> zone_;                           // by point: another point of its zone, or itself
