@@ -76,7 +76,8 @@ std::string describeFallbacks(IntegratorType chosen, Index fallbacks, Index step
 }
 
 std::string describeHalt(const solve::SolveReport& report) {
-  return "parts of the surface press on each other so hard that keeping them from crossing took all motion within them in " +
+  return "parts of the surface press on each other so hard, or are so fast, that keeping them from crossing took all motion "
+         "within them in " +
          std::to_string(report.halted) + " of " + std::to_string(report.substeps) +
          " sub-steps of this step (statistics: halted_steps)";
 }

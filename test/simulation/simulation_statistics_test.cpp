@@ -37,6 +37,22 @@ TEST(SimulationStatistics, StepsThatAreRepeatedAreCounted) {
   }
 }
 
+// A force throws one point of a pinned sheet ten edges far within a sub-step.
+TEST(SimulationStatistics, StepsInWhichContactLetsNoPointMoveAreHalted) {
+  simulation::SceneParams p = hangingSheet();
+  p.contact.self = true;
+  simulation::ForceParams force;
+  force.id = "hook";
+  force.point = sheetCloud().positions.back();
+  force.force = Vec3(0.0, 0.0, 1e6);
+  p.forces.push_back(force);
+  Simulation s(p, sheetCloud());
+  const simulation::StepOutcome outcome = s.step();
+  ASSERT_TRUE(outcome.ok) << outcome.problem;
+  EXPECT_EQ(s.statistics().halted_steps, 1u);
+  EXPECT_NE(outcome.notice.find("took all motion"), std::string::npos) << outcome.notice;
+}
+
 TEST(SimulationStatistics, CountsBeginAnewWithAResetAndGoOnFromASnapshotInForksAndViewers) {
   Simulation s(pressedByPins(Type::kVerlet), stackLayers(2));
   run(s, 60);
