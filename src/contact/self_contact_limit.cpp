@@ -21,7 +21,8 @@ constexpr double kSettled = 1e-3;    // of the farthest motion: smaller changes 
 constexpr double kRounding = 1e-15;  // m
 constexpr double kOutrun = 32.0;     // of the usual reach, ten edges or so: beyond it collisions are not worth it
 // Where the farthest way is longer than the usual reach, a third of an edge, few points are mostly that fast. Each point then has
-// a bound of its own, at least a share of the farthest way. Points that collisions drive beyond it are allowed more.
+// a bound of its own, at least a share of the farthest way. Points that collisions drive beyond it are allowed more, a few times.
+// Neither number was tried otherwise.
 constexpr double kSlow = 1.0 / 64.0;
 constexpr int kRaises = 3;
 
