@@ -5,6 +5,7 @@
 #include <deformable_surface/io/shapes.h>
 #include <deformable_surface/simulation/simulation.h>
 
+#include <cstdint>
 #include <iostream>
 
 using namespace deformable_surface;
@@ -28,16 +29,37 @@ int main() try {
   pull.force = {0.0, 0.0, 0.02};
   sheet.setForce(pull);
 
-  while (sheet.time() < 0.5) {
-    const simulation::StepOutcome outcome = sheet.step();
-    if (!outcome.ok) throw InputError(outcome.problem);
-  }
+  const auto runUntil = [](simulation::Simulation& simulation, double time) {
+    while (simulation.time() < time) {
+      const simulation::StepOutcome outcome = simulation.step();
+      if (!outcome.ok) throw InputError(outcome.problem);
+    }
+  };
+  runUntil(sheet, 0.25);
+
+  // What would a ball feel in the way of the sheet? A fork answers, and the sheet itself goes on without it.
+  const simulation::Snapshot before = sheet.snapshot();
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.kind = geometry::Solid::Kind::kSphere;
+  ball.shape.radius = 0.04;
+  ball.path.resize(1);
+  ball.path[0].position = {0.0, 0.25, -0.15};
+  simulation::Simulation copy = sheet.fork();
+  copy.setTool(ball);
+  runUntil(copy, 0.5);
+  runUntil(sheet, 0.5);
+  const std::uint64_t hash = sheet.stateHash();
+  sheet.restore(before);  // and once more, with the same bits
+  runUntil(sheet, 0.5);
+  if (sheet.stateHash() != hash) throw InputError("the second run differs from the first");
 
   const Points& points = sheet.surface(false).positions;  // one per point of the cloud, in its order
   const simulation::PinReaction held = sheet.pinReactions().front();
   const simulation::Statistics statistics = sheet.statistics();
   std::cout << "deformable_surface " << version() << "\n"
             << "points: " << points.size() << ", the first at " << points.front().transpose() << " m\n"
+            << "force on the ball: " << copy.toolReactions().front().force.transpose() << " N\n"
             << "force on the pins: " << held.force.transpose() << " N\n"
             << "estimated error: " << statistics.error_estimate << " m\n";
 } catch (const InputError& error) {
