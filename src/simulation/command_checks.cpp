@@ -19,6 +19,31 @@ void refuse(std::vector<std::string> problems, const std::string& prefix = "") {
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 
+// The first value that differs: "integrator.time_step: found 0.01 instead of 0.02". Empty: none does.
+std::string findDifference(const std::string& key, const Value& before, const Value& given) {
+  const Value::Map *const members = given.asMap(), *const members_before = before.asMap();
+  if (members && members_before && members->size() == members_before->size()) {
+    for (const auto& [name, value] : *members) {
+      const Value* const other = before.find(name);
+      const std::string path = key.empty() ? name : key + "." + name;
+      const std::string found = other ? findDifference(path, *other, value) : path + ": found a value where there was none";
+      if (!found.empty()) return found;
+    }
+    return "";
+  }
+  const Value::List *const items = given.asList(), *const items_before = before.asList();
+  if (items && items_before && items->size() == items_before->size()) {
+    for (std::size_t i = 0; i < items->size(); ++i) {
+      const std::string found = findDifference(key + "[" + std::to_string(i) + "]", (*items_before)[i], (*items)[i]);
+      if (!found.empty()) return found;
+    }
+    return "";
+  }
+  if (toYaml(before) == toYaml(given)) return "";
+  const std::string what = given.describe(), what_before = before.describe();
+  return key + ": found " + (what == what_before ? "another value" : what + " instead of " + what_before);
+}
+
 void requirePath(const std::string& whose, const std::vector<tool::WaypointParams>& path) {
   const std::string problem = tool::findProblem(path);
   if (!problem.empty()) throw InputError(whose + " " + problem);
@@ -95,10 +120,11 @@ void checkCommand(const command::SetDamping& c, const Dynamics&) {
 void checkCommand(const command::SetParams& c, const Dynamics& dynamics) {
   refuse(checkParams(c.params));
   const SceneParams& now = dynamics.params();
-  if (toYaml(printParams(withRunTimeValues(now, c.params))) != toYaml(printParams(c.params))) {
+  const std::string changed = findDifference("", printParams(withRunTimeValues(now, c.params)), printParams(c.params));
+  if (!changed.empty()) {
     std::string keys;
     for (const std::string& key : runTimeKeys()) keys += (keys.empty() ? "" : ", ") + key;
-    throw InputError("found another value of one that cannot change while a surface runs; accepted: others of " + keys);
+    throw InputError(changed + ", which cannot change while a surface runs; accepted: other values of " + keys);
   }
   if (c.params.material.young_modulus == now.material.young_modulus) return;
   MaterialChangeParams stiffness;

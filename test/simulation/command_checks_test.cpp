@@ -25,6 +25,8 @@ std::vector<std::pair<Command, std::string>> badCommands(const simulation::Dynam
   torn.positions.pop_back();
   simulation::SceneParams other = sheet.params();
   other.integrator.time_step *= 0.5;
+  simulation::SceneParams moved = sheet.params();
+  moved.pins[0].region.max.x() = 0.5;
   simulation::MaterialChangeParams negative;
   negative.young_modulus = -1.0;
   return {{command::SetForce{{"pull", Vec3(kNaN, 0.0, 0.0)}}, "force 'pull' "},
@@ -34,7 +36,9 @@ std::vector<std::pair<Command, std::string>> badCommands(const simulation::Dynam
           {command::SetGravity{Vec3(0.0, kNaN, 0.0)}, "gravity: "},
           {command::SetMaterial{{}, negative}, "young_modulus"},
           {command::SetDamping{-1.0}, "damping"},
-          {command::SetParams{other}, "cannot change while a surface runs"},
+          {command::SetParams{other},
+           "integrator.time_step: found 0.005 instead of 0.01, which cannot change while a surface runs; accepted"},
+          {command::SetParams{moved}, "pins[0].box.max[0]: found 0.5 instead of 0.001, which cannot change"},
           {command::SetState{torn}, "positions"},
           {command::EditParticles{}, "no particles"},
           {command::GrowSurface{}, "no particles"}};
