@@ -105,8 +105,7 @@ void LooseParts::find(const std::vector<char>& held, const std::vector<double>& 
 
 std::string LooseParts::describe() const {
   return "nothing holds " + count(count_, count_ == 1 ? "part of what is simulated, " : "parts of what is simulated, ") +
-         count(points_, points_ == 1 ? "point, at " : "points, the first at ") + formatShort(place_.x()) + ", " +
-         formatShort(place_.y()) + ", " + formatShort(place_.z()) +
+         count(points_, points_ == 1 ? "point, at " : "points, the first at ") + formatPlace(place_) +
          " m, against the loads: without an equilibrium it stays where it is";
 }
 

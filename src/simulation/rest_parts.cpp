@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "unconstrained_parts.h"
 
@@ -24,8 +25,17 @@ constexpr Index kGapShare = 1000;     // fewer points at gaps than this part of 
 }  // namespace
 
 std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
+// Three digits, and far from the origin as many as tell points apart.
 std::string formatPlace(const Vec3& p) {
-  return "(" + formatShort(p.x()) + ", " + formatShort(p.y()) + ", " + formatShort(p.z()) + ")";
+  constexpr int kLeast = 3, kMost = 15, kDecimals = 4;  // tenths of a millimetre
+  std::string text;
+  for (const double x : {p.x(), p.y(), p.z()}) {
+    const int whole = std::isfinite(x) && x != 0.0 ? static_cast<int>(std::floor(std::log10(std::abs(x)))) + 1 : 0;
+    char number[32];
+    std::snprintf(number, sizeof number, "%.*g", std::min(kMost, std::max(kLeast, whole + kDecimals)), x);
+    text += (text.empty() ? "(" : ", ") + std::string(number);
+  }
+  return text + ")";
 }
 
 RestSurface cleanInput(const cloud::PointCloud& input) {

@@ -126,6 +126,9 @@ TEST(Jam, TheSentenceNamesWhatIsNearElseWhatActsOnTheSamePartElseNothing) {
   jam.actors[0].act = Jam::Actor::Act::kPushes;
   for (int k = 1; k <= 4; ++k) jam.actors.push_back({"pins[" + std::to_string(k) + "]", Jam::Actor::Act::kHolds, false});
   EXPECT_TRUE(has(describeJam(jam), ", resting pins[2] holds and 2 more act")) << describeJam(jam);
+  // Far from the origin, points of a surface are still told apart.
+  jam.place = Vec3(1000.03214, -700.5, 1e5);
+  EXPECT_TRUE(has(describeJam(jam), "one of them at (1000.0321, -700.5, 100000) m, ")) << describeJam(jam);
 }
 
 }  // namespace

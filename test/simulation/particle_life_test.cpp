@@ -140,7 +140,7 @@ TEST(ParticleLife, GrowthThatIsNotCompleteIsAWarning) {
   EXPECT_NE(particles.find("growth ended at growth.max_particles, 40: the surface is not complete"), std::string::npos)
       << particles;
   const std::string lonely = warningOf([](auto&, auto& cloud) { cloud.positions.emplace_back(0.5, 0.5, 3.0); });
-  EXPECT_NE(lonely.find("1 particle belongs to no surface, the first at 0.5, 0.5, 3"), std::string::npos) << lonely;
+  EXPECT_NE(lonely.find("1 particle belongs to no surface, the first at (0.5, 0.5, 3) m"), std::string::npos) << lonely;
 }
 
 // Two balls dent a sphere from both ends. Without the tube between the dents particles between the balls are thrown off.

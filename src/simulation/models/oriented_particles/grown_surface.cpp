@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../../rest_parts.h"
 #include "settle_particles.h"
 
 namespace deformable_surface::simulation {
@@ -51,9 +52,8 @@ void warnOfLonely(const model::OrientedParticles& particles, const State& state,
   const auto first = std::find(is_lonely.begin(), is_lonely.end(), 1);
   if (first == is_lonely.end()) return;
   const Index count = static_cast<Index>(std::count(is_lonely.begin(), is_lonely.end(), 1));
-  const Vec3& at = state.positions[first - is_lonely.begin()];
   warn(std::to_string(count) + (count == 1 ? " particle belongs" : " particles belong") + " to no surface, the first at " +
-       formatShort(at.x()) + ", " + formatShort(at.y()) + ", " + formatShort(at.z()));
+       formatPlace(state.positions[first - is_lonely.begin()]) + " m");
 }
 
 // Moves particles nearer to each other than a distance, m, apart to it along the line between them, those in one place along the
