@@ -104,8 +104,9 @@ bool Stepper::canRest() const {
 
 std::string Stepper::obstacle() {
   if (!simulation_)
-    return std::string("there is no surface yet; ") +
-           (isBuilding() ? "one is being built" : "publish a cloud on ~cloud_in first");
+    return std::string("there is no surface yet; ") + (now_ == 0      ? "the clock has not started: nothing came on /clock"
+                                                       : isBuilding() ? "one is being built"
+                                                                      : "publish a cloud on ~cloud_in first");
   if (!is_gravity_known_ && !updateGravity()) return "the transform of gravity_frame is not known yet";
   return "";
 }

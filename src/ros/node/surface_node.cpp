@@ -222,7 +222,7 @@ struct SurfaceNode::Impl {
   // No message may end the thread.
   void run() {
     const auto start = std::chrono::steady_clock::now();
-    bool was_reminded = false;
+    bool was_reminded = false, is_clock_missed = false;
     for (bool goes_on = true; goes_on;) {
       if (!was_reminded && !has_cloud_come && std::chrono::steady_clock::now() - start > kCloudPatience) {
         was_reminded = true;
@@ -230,6 +230,13 @@ struct SurfaceNode::Impl {
                                         << kCloudPatience.count()
                                         << " s (publishers there: " << cloud_subscriber.getNumPublishers()
                                         << "); remap ~cloud_in to the topic of the clouds");
+      }
+      if (!is_clock_missed && std::chrono::steady_clock::now() - start > kCloudPatience && ros::Time::now().isZero()) {
+        is_clock_missed = true;
+        warnings.report(Warning::kClock,
+                        "nothing came on /clock in " + std::to_string(kCloudPatience.count()) +
+                            " s, while use_sim_time is true: clouds and commands wait for it (rosbag play --clock, "
+                            "or a simulator, publishes it)");
       }
       try {
         goes_on =

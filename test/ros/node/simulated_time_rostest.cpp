@@ -75,6 +75,9 @@ class SimulatedTimeTest : public ::testing::Test {
 TEST_F(SimulatedTimeTest, StandsWhileTheClockStands) {
   client_.publish(cloud_);
   ASSERT_TRUE(waitUntil([&] { return client_.diagnosticText("state") == "waiting for the clock"; }));
+  EXPECT_EQ(client_.step(1).message, "there is no surface yet; the clock has not started: nothing came on /clock");
+  EXPECT_TRUE(waitUntil([&] { return client_.diagnosticText("last warning").find("nothing came on /clock in 10 s") == 0; }, 60.0))
+      << process_.output();
   tick(kStart);
   ASSERT_TRUE(client_.waitForFrame(cloud_.header.stamp)) << process_.output();
   tick(kStart + 5 * kStep);
