@@ -56,6 +56,7 @@ std::string LastingNotices::describe(Lasting what, const Span& span) {
     case Lasting::kRetried: return "steps failed at first and were repeated: " + where;
     case Lasting::kUnbalanced:
       return "forces were left unbalanced in " + where + ", at most " + formatShort(span.largest) + " of the largest force";
+    case Lasting::kUntracked: return "less than half of the points that were tracked before were tracked in " + where;
   }
   return "";
 }

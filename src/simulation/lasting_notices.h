@@ -14,12 +14,13 @@ namespace deformable_surface::simulation {
 
 /// What can be so in many steps in a row.
 enum class Lasting {
-  kStopped,    // contact limited the motion of points
-  kHalted,     // contact took all motion from the parts that it stopped
-  kRetried,    // steps were not sound at first, and were taken again
-  kUnbalanced  // the solver ended with forces unbalanced
+  kStopped,     // contact limited the motion of points
+  kHalted,      // contact took all motion from the parts that it stopped
+  kRetried,     // steps were not sound at first, and were taken again
+  kUnbalanced,  // the solver ended with forces unbalanced
+  kUntracked    // the tracked cloud shows few of the points that it has shown before
 };
-constexpr int kNumLasting = 4;
+constexpr int kNumLasting = 5;
 
 class LastingNotices {
  public:

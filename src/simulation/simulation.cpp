@@ -100,6 +100,7 @@ void Simulation::Impl::leaveTrial(const char* how) {
   }
   if (!dynamics().hasChosenIntegrator()) return;
   dynamics().setIntegrator(solve::IntegratorType::kAuto);
+  if (isOne<command::Observe>(command)) tracking.see(static_cast<Index>(dynamics().loads().track.seen().size()));
   appendNotice(trial_notice, "integrator.type is auto again: " + why);
 }
 
@@ -113,7 +114,9 @@ void Simulation::Impl::reset() {
   trial_notice.clear();
   lasting.clear();
   fallbacks.clear();
-  is_target_missed = false;
+  is_target_missed = is_target_kept = false;
+  largest_error = 0.0;
+  tracking = {};
   surface.reset();
   statistics = Statistics{};
   measured_revision.reset();
@@ -172,8 +175,14 @@ std::string Simulation::Impl::tellWhatLasts(const EstimatedDynamics::Outcome& ta
     appendNotice(begun, describeRetry(taken.retried, taken.is_retried_implicitly, report.substeps));
   if (!report.converged && lasting.see(Lasting::kUnbalanced, report.unbalanced))
     appendNotice(begun, describeUnbalance(report, dynamics().params().integrator, taken.is_static, stopped > 0));
-  if (begun.empty()) return begun;
-  if (const std::optional<Jam> jam = dynamics().findJam()) appendNotice(begun, describeJam(*jam));
+  if (!begun.empty())
+    if (const std::optional<Jam> jam = dynamics().findJam()) appendNotice(begun, describeJam(*jam));
+  if (tracking.isLost() && lasting.see(Lasting::kUntracked))
+    appendNotice(
+        begun, "the tracked cloud shows " + std::to_string(tracking.last()) + " of " + std::to_string(dynamics().state().size()) +
+                   " simulation points" + (tracking.most() > 0 ? ", and has shown " + std::to_string(tracking.most()) : "") +
+                   ": the others move by physics alone, and fall if nothing else holds them; a surface that has left its "
+                   "cloud does not come back before a reset or a new one (statistics: tracked_points)");
   return begun;
 }
 

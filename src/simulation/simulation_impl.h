@@ -6,6 +6,7 @@
 #include "deformable_surface/simulation/simulation.h"
 
 #include "deformable_surface/base/timer.h"
+#include "deformable_surface/simulation/tracking_watch.h"
 
 #include <optional>
 
@@ -51,6 +52,9 @@ struct Simulation::Impl {
   double softening = 0.0;         // m, effect of the softer membrane so far, in the trial
   std::string trial_notice;       // for the next step: the trial has ended
   bool is_target_missed = false;  // said since the last reset
+  double largest_error = 0.0;     // m, expected where the target counts, since rest; infinite where the estimate is no bound
+  bool is_target_kept = false;    // said since the last reset
+  TrackingWatch tracking;         // since the last reset
   LastingNotices lasting;         // since the last reset, fork or snapshot
   FrequentSteps fallbacks;        // to another integrator; since then
 

@@ -4,6 +4,8 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/hash.h"
 
+#include <limits>
+
 #include "state_hash.h"
 
 namespace deformable_surface::simulation {
@@ -31,6 +33,9 @@ Simulation::Impl::Impl(const Impl& other, bool to_view)
       scene_hash(other.scene_hash),
       choice(other.choice),
       is_target_missed(other.is_target_missed),
+      largest_error(other.largest_error),
+      is_target_kept(other.is_target_kept),
+      tracking(other.tracking),
       is_viewer(to_view) {
   dynamics().setCutFollower(&surface);
   restoreLooks(other.saveLooks());
@@ -80,6 +85,8 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   trial_notice.clear();
   lasting.clear();
   fallbacks.clear();
+  tracking.forgetLast();
+  largest_error = std::numeric_limits<double>::infinity();  // that of the steps before it is not known
   restoreLooks(saved.looks);
 }
 

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace deformable_surface::test {
 namespace {
@@ -112,6 +114,41 @@ TEST(Track, WhatIsSeenOfSomethingElsePullsNothing) {
   run(s, 3);
   run(alone, 3);
   EXPECT_EQ(s.stateHash(), alone.stateHash());
+}
+
+TEST(Track, TellsThatTheSurfaceIsLostAndWhenItIsTrackedAgain) {
+  Simulation s(trackedSheet(), sheetCloud());
+  cloud::PointCloud elsewhere = observe(0.0), half = observe(0.0);
+  for (Vec3& p : elsewhere.positions) p.z() += 2.0;
+  for (Vec3& p : half.positions)
+    if (p.x() < 0.3) p.setConstant(std::numeric_limits<double>::quiet_NaN());
+  std::vector<std::string> told;
+  const auto follow = [&](const cloud::PointCloud& cloud, int steps) {
+    s.observe(cloud);
+    for (int k = 0; k < steps; ++k)
+      if (const std::string notice = s.step().notice; !notice.empty()) told.push_back(notice);
+  };
+  follow(observe(0.0), 10);
+  follow(half, 10);  // seven tenths
+  EXPECT_TRUE(told.empty()) << told.front();
+  const std::string most = std::to_string(s.statistics().simulation_points);
+  follow(elsewhere, 10);
+  follow(elsewhere, 10);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].find("the tracked cloud shows 0 of " + most + " simulation points, and has shown "), 0u) << told[0];
+  EXPECT_NE(s.lastingNotices().find("less than half of the points that were tracked before were tracked in 20 of 20 steps"),
+            std::string::npos)
+      << s.lastingNotices();
+  follow(observe(0.0), 120);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_NE(told[1].find("were tracked in 20 of 20 steps, from "), std::string::npos) << told[1];
+  EXPECT_NE(told[1].find("none in the last 1 s"), std::string::npos) << told[1];
+  // A reset forgets what was shown.
+  follow(elsewhere, 1);
+  ASSERT_EQ(told.size(), 3u);
+  s.reset();
+  follow(observe(0.0), 2);
+  EXPECT_EQ(told.size(), 3u);
 }
 
 TEST(Track, BelongsToSnapshotsAndForksAndEndsWithAReset) {

@@ -115,6 +115,8 @@ void NodeDiagnostics::describeSimulation(Status& status) const {
     status.summary(DiagnosticStatus::WARN, "slower than real time");
   } else if (now_.has_snapped) {
     status.summary(DiagnosticStatus::WARN, "snapped: at rest without a load in another shape than its own; ~reset ends it");
+  } else if (!now_.lost.empty()) {
+    status.summary(DiagnosticStatus::WARN, "lost: " + now_.lost);
   } else {
     status.summary(DiagnosticStatus::OK, now_.state);
   }

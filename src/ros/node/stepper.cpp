@@ -185,6 +185,7 @@ void Stepper::keepSnapshot(const std::string& name) {
 void Stepper::restoreSnapshot(const std::string& name) {
   const SnapshotShelf::Entry& entry = snapshots_.find(name);
   is_held_ = is_held_valid_ = false;
+  tracking_.forgetLast();
   simulation_->restore(entry.snapshot);
   commands_.restore(entry.commands);
   simulation::setPhysics(simulation::findPhysics(simulation_->params()), params_);

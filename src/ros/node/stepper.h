@@ -14,6 +14,7 @@
 
 #include "deformable_surface/ros/convert/step_schedule.h"
 #include "deformable_surface/simulation/simulation.h"
+#include "deformable_surface/simulation/tracking_watch.h"
 
 #include <tf2/buffer_core.h>
 
@@ -41,6 +42,7 @@ struct StepperStatus {
   int commands_waiting = 0, commands_dropped = 0;
   std::string silent_tools;     // ids
   bool has_snapped = false;     // see Simulation::hasSnapped()
+  std::string lost;             // how few points of the surface the tracked cloud shows; empty: it is not lost
   double lag = 0.0;             // s that the next step is late; 0 where none is due, as in a pause
   double time_let_go = 0.0;     // s of the ROS clock for which no steps were taken, since they took too long
   double time_in_calls = 0.0;   // the same, since a call of a service did
@@ -196,6 +198,7 @@ class Stepper {
   bool is_paused_ = false;                          // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;
+  simulation::TrackingWatch tracking_;            // since the surface was at rest
   bool is_as_built_ = false;                      // only its cloud and params_ have shaped the surface
   double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time: the commands of the last step, all of it
   double call_seconds_ = 0.0;                     // of the services called in the last turn

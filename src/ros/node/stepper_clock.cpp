@@ -58,6 +58,7 @@ void Stepper::beginAnew(std::int64_t zero) {
   is_failed_ = is_frame_due_ = is_gravity_known_ = false;
   last_frame_ = 0;
   ready_.clear();
+  tracking_ = {};
   commands_.forget();
   schedule_.start(zero);
 }

@@ -139,6 +139,7 @@ void Stepper::observeReady() {
   if (newest == ready_.rend()) return;
   try {
     simulation_->observe(newest->cloud);
+    tracking_.see(static_cast<Index>(simulation_->statistics().tracked_points));
     ++counts_.clouds_tracked;
     counts_.clouds_late += !isPaused() && step > 0 && newest->stamp <= schedule_.begin(step - 1);
   } catch (const InputError& error) {

@@ -85,6 +85,9 @@ StepperStatus Stepper::status() const {
     status.step = simulation_->stepCount();
     status.accuracy = simulation_->accuracyChoice().sentence;
     status.has_snapped = simulation_->hasSnapped();
+    if (tracking_.isLost())
+      status.lost = "the tracked cloud shows " + std::to_string(tracking_.last()) + " points of the surface" +
+                    (tracking_.most() > 0 ? ", and has shown " + std::to_string(tracking_.most()) : "");
     if (isDue() && !isLockstep()) status.lag = toSeconds(now_ - schedule_.begin(status.step + 1));
   }
   if (is_failed_) {

@@ -172,6 +172,31 @@ TEST(Clouds, OneToBeTrackedThatComesAfterTheStepAtItsStampIsCounted) {
   EXPECT_EQ(client.diagnostic("clouds late"), 1.0);
 }
 
+TEST(Clouds, OnesThatShowTheTrackedSurfaceNoLongerAreAWarningUntilOneShowsIt) {
+  NodeProcess process("/lost", "{model: mass_spring, gravity: [0, 0, 0], sleep: {mode: never}, input: {policy: track}}");
+  NodeClient client("/lost");
+  std::string summary;
+  const ros::Subscriber diagnostics = client.handle().subscribe<diagnostic_msgs::DiagnosticArray>(
+      "/diagnostics", 100, [&](const diagnostic_msgs::DiagnosticArrayConstPtr& message) {
+        for (const auto& status : message->status)
+          if (status.name == "lost: simulation") summary = (status.level == status.WARN ? "WARN " : "") + status.message;
+      });
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
+  client.publish(makeStamped(20, 10, ros::Time::now()));
+  ASSERT_TRUE(client.waitForDiagnostic("clouds tracked", 1.0)) << process.output();
+  EXPECT_EQ(summary.find("lost"), std::string::npos) << summary;
+  PointCloud2 elsewhere = makeStamped(20, 10, ros::Time::now());
+  for (sensor_msgs::PointCloud2Iterator<float> z(elsewhere, "z"); z != z.end(); ++z) *z += 5.0f;
+  client.publish(elsewhere);
+  EXPECT_TRUE(waitUntil([&] { return summary.find("WARN lost: the tracked cloud shows 0 points of the surface") == 0; }))
+      << summary;
+  EXPECT_TRUE(waitUntil([&] { return client.diagnosticText("last warning").find("the tracked cloud shows 0 of ") == 0; }))
+      << client.diagnosticText("last warning");
+  client.publish(makeStamped(20, 10, ros::Time::now()));
+  EXPECT_TRUE(waitUntil([&] { return summary == "running"; })) << summary;
+}
+
 TEST(Clouds, IgnoredOnesAreNotEvenDecoded) {
   NodeProcess process("/ignoring", "{model: mass_spring, gravity: [0, 0, 0], input: {policy: ignore}}");
   NodeClient client("/ignoring");
