@@ -239,10 +239,17 @@ class ChoiceByError {
                          "steps is estimated at " +
                          formatShort(steps_error) + " m";
       if (!choice_.is_met) choice_.sentence += " over the first " + formatShort(last.until) + " s, where " + trial;
+    } else if (is_all && last.candidate.points < n_ && !is_steps_known) {
+      choice_.sentence =
+          asked_ + "all " + std::to_string(n_) +
+          " points simulated; whether they meet it is not known, since no trial of all points was made: the expected "
+          "error was " +
+          sayError() + " after " + formatShort(last.until) + " s, where " + trial;
     } else if (is_all) {
-      choice_.sentence = asked_ +
-                         "cannot be met for certain even with every point simulated, which is chosen; the expected error was " +
-                         sayError() + " where " + trial;
+      choice_.sentence = asked_ + "cannot be met for certain even with every point simulated, which is chosen; " +
+                         (is_steps_known ? "the error of the steps was estimated at " + formatShort(steps_error) + " m"
+                                         : "the expected error was " + sayError()) +
+                         " where " + trial;
     } else if (points == last.candidate.points) {
       choice_.sentence = asked_ + (last.is_cut ? "not known to be met by " : "not met by ") + sayPoints(points, n_) +
                          ", the most whose trial is affordable, which are chosen; its expected error was " + sayError() +

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "accuracy.h"
 #include "accuracy_probe.h"
@@ -66,6 +67,7 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   if (params.contact.self.is_auto && kind.traits().meets_itself && !dynamics().loads().self_contact)
     notes.push_back("contact.self: auto is off, and parts can pass through each other: " + dynamics().whyNoSelfContact() +
                     "; true switches it on");
+  if (isSelfContactOffByChoice()) sayOfChoice("contact.self: auto is off with these points");
   const std::string refused = kind.refuseEstimate(params);
   if (params.accuracy.estimate && !refused.empty())
     notes.push_back(std::string("no error estimate: model ") + kind.name() + " " + refused);
@@ -79,10 +81,26 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   surface.reset();
 }
 
+// Whether the points that an accuracy target has chosen are among the reasons.
+bool Simulation::Impl::isSelfContactOffByChoice() const {
+  const ModelTraits traits = dynamics().kind().traits();
+  const SceneParams& params = dynamics().params();
+  return choice.is_asked && params.contact.self.is_auto && !dynamics().loads().self_contact && traits.meets_itself &&
+         traits.is_surface && dynamics().rest().across.isZero(0.0) && params.integrator.type != solve::IntegratorType::kStatic;
+}
+
+// Adds to the sentence of the choice, which is one of the notes.
+void Simulation::Impl::sayOfChoice(const std::string& more) {
+  const auto note = std::find(notes.begin(), notes.end(), choice.sentence);
+  appendNotice(choice.sentence, more);
+  if (note != notes.end()) *note = choice.sentence;
+}
+
 Changes Simulation::Impl::apply(const Command& command) {
   check(command, dynamics());
   Changes changes = run.apply(command);
   if (!changes.done) return changes;
+  if (isOne<command::Observe>(command)) tracking.see(static_cast<Index>(dynamics().loads().track.seen().size()));
   if (changes.moved || isOne<command::SetParams>(command)) surface.invalidate();
   const bool is_tool = isOne<command::SetTool, command::MoveTool, command::RemoveTool>(command) && !dynamics().tools().empty();
   leaveTrial(is_tool ? "a tool came" : isOne<command::SetState>(command) ? "a state was given" : "a command came");
@@ -100,7 +118,6 @@ void Simulation::Impl::leaveTrial(const char* how) {
   }
   if (!dynamics().hasChosenIntegrator()) return;
   dynamics().setIntegrator(solve::IntegratorType::kAuto);
-  if (isOne<command::Observe>(command)) tracking.see(static_cast<Index>(dynamics().loads().track.seen().size()));
   appendNotice(trial_notice, "integrator.type is auto again: " + why);
 }
 
@@ -149,6 +166,7 @@ StepOutcome Simulation::Impl::step() {
   outcome.has_converged = taken.report.converged;
   outcome.was_retried = taken.retried.kind != solve::StepFailure::Kind::kNone;
   if (taken.ok) {
+    appendNotice(outcome.notice, tellTargetKept());
     appendNotice(outcome.notice, tellWhatLasts(taken));
     if (fallbacks.endStep(dynamics().time(), dt, taken.report.fallbacks > 0))
       appendNotice(outcome.notice, describeFallbacks(dynamics().lastIntegrator(), fallbacks.count(), fallbacks.steps()));
@@ -196,10 +214,24 @@ void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
   // The target was met in the trial but is missed now; reported once.
   const double target = dynamics().params().accuracy.position_error;
   const double error = run.estimator()->inRegions() + softening;
+  const bool is_bounded = run.estimator()->isBounded() && std::isfinite(error);
+  largest_error = std::max(largest_error, is_bounded ? error : std::numeric_limits<double>::infinity());
   if (!(target > 0.0 && choice.is_met && error > target && run.estimator()->isBounded()) || is_target_missed) return;
   appendNotice(taken.notice, "the expected error, " + formatReal(error) + " m, has grown beyond accuracy.position_error, " +
                                  formatReal(target) + " m");
   is_target_missed = true;
+}
+
+// Once, at the end of the duration, of a target of which the choice could not tell whether it would be met.
+std::string Simulation::Impl::tellTargetKept() {
+  const SceneParams& params = dynamics().params();
+  const double target = params.accuracy.position_error, dt = params.integrator.time_step;
+  const double error = largest_error + dynamics().activity().lost();
+  if (is_target_kept || !choice.is_asked || choice.is_met || !run.estimator() || !(target > 0.0 && error <= target)) return "";
+  if (!(dynamics().time() + 1e-6 * dt >= params.duration)) return "";
+  is_target_kept = true;
+  return "accuracy.position_error, " + formatReal(target) + " m, was met in all " + std::to_string(dynamics().stepCount()) +
+         " steps: the expected error was at most " + formatShort(error) + " m, and a bound";
 }
 
 Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {

@@ -72,6 +72,8 @@ struct Simulation::Impl {
   Dynamics& dynamics() { return run.dynamics(); }
   const Dynamics& dynamics() const { return run.dynamics(); }
 
+  bool isSelfContactOffByChoice() const;
+  void sayOfChoice(const std::string& more);
   Changes apply(const Command& command);
   void leaveTrial(const char* how);
   void reset();
@@ -79,6 +81,7 @@ struct Simulation::Impl {
   StepOutcome step();
   void finishStep(EstimatedDynamics::Outcome& taken);
   std::string tellWhatLasts(const EstimatedDynamics::Outcome& taken);
+  std::string tellTargetKept();
 
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);
   std::shared_ptr<const Snapshot::Contents> save(bool is_sight) const;

@@ -7,6 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 namespace deformable_surface::test {
 namespace {
 
@@ -84,6 +87,54 @@ TEST(ChoiceByError, SaysThatATargetCannotBeMet) {
   EXPECT_FALSE(s.accuracyChoice().is_met);
   EXPECT_EQ(s.state().size(), strip().size());
   EXPECT_NE(s.accuracyChoice().sentence.find("cannot be met"), std::string::npos) << s.accuracyChoice().sentence;
+}
+
+// A soft sheet that swings down and buckles: trials of few points have no bound.
+TEST(ChoiceByError, OfAllPointsUntriedSaysWhatIsNotKnownAndInTheEndThatTheTargetWasKept) {
+  SceneParams p = hangingSheet();
+  p.material = model::MaterialParams();
+  p.material.young_modulus = 1e5;
+  p.material.thickness = 0.002;
+  p.material.density = 300.0;
+  p.material.damping = 1.0;
+  p.simplification = cloud::SimplificationParams();
+  p.duration = 0.5;
+  p.accuracy.position_error = 0.02;
+  Simulation s(p, sheetCloud(40));
+  const simulation::AccuracyChoice& choice = s.accuracyChoice();
+  ASSERT_EQ(choice.points, 1600) << choice.sentence;
+  EXPECT_FALSE(choice.is_met) << choice.sentence;
+  EXPECT_NE(choice.sentence.find("all 1600 points simulated; whether they meet it is not known, since no trial of all points was "
+                                 "made: the expected error was "),
+            std::string::npos)
+      << choice.sentence;
+  EXPECT_EQ(choice.sentence.find("cannot be met"), std::string::npos) << choice.sentence;
+  int times_said = 0;
+  std::string said;
+  for (int k = 0; k < 55; ++k) {
+    const std::string notice = s.step().notice;
+    if (notice.find("accuracy.position_error, 0.02 m, was met in all ") == std::string::npos) continue;
+    ++times_said;
+    said = notice;
+  }
+  EXPECT_EQ(times_said, 1);
+  EXPECT_NE(said.find("in all 50 steps: the expected error was at most "), std::string::npos) << said;
+}
+
+TEST(ChoiceByError, SaysThatSelfContactIsOffWithTheChosenPoints) {
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  p.accuracy.position_error = 0.1;
+  p.material.thickness = 0.05;
+  p.material.bending_rigidity = 1e-4;
+  p.contact.self = OrAuto<bool>();
+  const Simulation s(p, strip());
+  const std::string off = "contact.self: auto is off with these points";
+  EXPECT_NE(s.accuracyChoice().sentence.find("; " + off), std::string::npos) << s.accuracyChoice().sentence;
+  const std::vector<std::string>& notes = s.buildNotes();
+  EXPECT_EQ(std::count(notes.begin(), notes.end(), s.accuracyChoice().sentence), 1);
+  p.accuracy.position_error = 0.0;
+  const Simulation without(p, strip());
+  for (const std::string& note : without.buildNotes()) EXPECT_EQ(note.find(off), std::string::npos) << note;
 }
 
 TEST(ChoiceByError, TakesAllPointsOfASmallCloudHoweverManyStepsAnEquilibriumIsAskedFor) {
