@@ -23,6 +23,16 @@ std::vector<NewParticle> grow(const TestSurface& surface, double spacing, const 
   return proposeGrown(surface.positions, orientTo(surface.normals), std::vector<char>(surface.size(), flag), spacing, params);
 }
 
+void expectTheSame(const std::vector<NewParticle>& found, const std::vector<NewParticle>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].position, expected[i].position);
+    EXPECT_EQ(found[i].orientation.coeffs(), expected[i].orientation.coeffs());
+    EXPECT_EQ(found[i].parents[0], expected[i].parents[0]);
+    EXPECT_EQ(found[i].parents[1], expected[i].parents[1]);
+  }
+}
+
 TestSurface makePair(double distance) {
   TestSurface pair;
   pair.add(Vec3::Zero(), Vec3::UnitZ());
@@ -282,19 +292,11 @@ TEST(Growth, DoesNotDependOnTheNumberOfThreads) {
   const std::vector<NewParticle> one = both();
   for (int threads : {2, 3}) {
     setNumThreads(threads);
-    const std::vector<NewParticle> several = both();
-    ASSERT_EQ(one.size(), several.size());
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      EXPECT_EQ(one[i].position, several[i].position);
-      EXPECT_EQ(one[i].orientation.coeffs(), several[i].orientation.coeffs());
-      EXPECT_EQ(one[i].parents[0], several[i].parents[0]);
-      EXPECT_EQ(one[i].parents[1], several[i].parents[1]);
-    }
+    expectTheSame(both(), one);
   }
   setNumThreads(0);
 }
 
-// A valley whose floor is filled: the two rims see each other across it.
 TEST(Growth, RulesLookAgainOnlyAroundWhatHasChangedAndFindTheSame) {
   // An uneven torus, on which a particle has moved, is new or has turned since the last look.
   TestSurface torus = cloud::makeTorus(72, 30, 0.4);
@@ -307,15 +309,6 @@ TEST(Growth, RulesLookAgainOnlyAroundWhatHasChangedAndFindTheSame) {
     const std::vector<char> flags(torus.size(), kFillsGaps);
     return is_stretching ? proposeStretched(torus.positions, orientations, flags, spacing, params, {}, {}, memory)
                          : proposeGrown(torus.positions, orientations, flags, spacing, params, {}, {}, memory);
-  };
-  const auto expectTheSame = [](const std::vector<NewParticle>& found, const std::vector<NewParticle>& expected) {
-    ASSERT_EQ(found.size(), expected.size());
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      EXPECT_EQ(found[i].position, expected[i].position);
-      EXPECT_EQ(found[i].orientation.coeffs(), expected[i].orientation.coeffs());
-      EXPECT_EQ(found[i].parents[0], expected[i].parents[0]);
-      EXPECT_EQ(found[i].parents[1], expected[i].parents[1]);
-    }
   };
   for (const bool is_stretching : {true, false}) {
     ProposalMemory memory;
@@ -334,6 +327,7 @@ TEST(Growth, RulesLookAgainOnlyAroundWhatHasChangedAndFindTheSame) {
   }
 }
 
+// A valley whose floor is filled: the two rims see each other across it.
 TEST(Growth, ValleysThatAreClosedBelowAreNotBridged) {
   constexpr double kSpacing = 0.5;
   GrowthParams params;

@@ -8,9 +8,9 @@
 
 namespace deformable_surface::model {
 
-/// Brings particles near their equilibrium, in place. fixed (n): 1 = does not move or turn. awake (n): 1 = is new, or was still
-/// moving when the last relaxation ended, which this one says for the next; none: all are to move. The rules assume surroundings
-/// near equilibrium. A function that does nothing is allowed.
+/// Brings particles near their equilibrium, in place. The rules assume surroundings near equilibrium. A function that does nothing
+/// is allowed. fixed (n): 1 = does not move or turn. awake (n); null: all move. Before: 1 = new, or still moving at the end of the
+/// last relaxation. After: 1 = still moving.
 using Relaxation =
     std::function<void(Points& positions, Orientations& orientations, const std::vector<char>& fixed, std::vector<char>* awake)>;
 

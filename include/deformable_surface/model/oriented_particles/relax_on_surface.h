@@ -15,10 +15,11 @@ namespace deformable_surface::model {
 /// and turns by half of the way to the mean of its neighbours' normals, each mirrored in the plane midway, as for
 /// co-circular normals. Spheres, cylinders and planes stay as they are. Neighbours are particles that face the same way.
 ///
-/// positions (n x 3) m, in place; orientations (n); fixed (n): 1 = neither moves nor turns. awake (n), none: all move. 1 = moves,
-/// and wakes those within 2 r0. Others move from when one so near has moved by more than 0.003 of the spacing, or turned
-/// by as many radians, in a sweep. In the end awake has those that did in the last sweep. Parallel; the same bits for every
+/// positions (n x 3) m, in place; orientations (n); fixed (n): 1 = neither moves nor turns. Parallel; the same bits for every
 /// number of threads.
+///
+/// awake (n); null: all move. Before: 1 = moves, and wakes those within 2 r0. A particle also wakes when one so near moves in a
+/// sweep by more than 0.003 of the spacing, or turns by as many radians. After: 1 = did so in the last sweep.
 void relaxOnSurface(double spacing, Index sweeps, const std::vector<char>& fixed, Points& positions, Orientations& orientations,
                     std::vector<char>* awake = nullptr);
 
