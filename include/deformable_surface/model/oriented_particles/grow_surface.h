@@ -8,9 +8,9 @@
 
 namespace deformable_surface::model {
 
-/// Brings particles near their equilibrium, in place. The rules assume surroundings near equilibrium. A function that does nothing
-/// is allowed. fixed (n): 1 = does not move or turn. awake (n); null: all move. Before: 1 = new, or still moving at the end of the
-/// last relaxation. After: 1 = still moving.
+/// Brings particles near their equilibrium, in place. The rules assume surroundings near equilibrium. A function that does
+/// nothing is allowed. fixed (n): 1 = does not move or turn. awake (n); null: all move. Before: 1 = new, or still moving at the
+/// end of the last relaxation. After: 1 = still moving.
 using Relaxation =
     std::function<void(Points& positions, Orientations& orientations, const std::vector<char>& fixed, std::vector<char>* awake)>;
 
