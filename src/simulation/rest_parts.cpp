@@ -2,6 +2,8 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/near_points.h"
 #include "deformable_surface/cloud/space_order.h"
 
 #include <Eigen/Eigenvalues>
@@ -18,6 +20,8 @@ namespace {
 constexpr Index kPinPoints = 3;  // that hold a pinned region: fewer would let it turn
 
 constexpr double kBandOfRows = 0.8;  // spacings of the points from which on a pinned band is of several rows
+
+constexpr double kClose = 0.01;  // spacings: nearer points are almost the same; even a cloud at random has one in 3000
 
 constexpr double kClearMargin = 1.3;  // of geodesic neighbours: below it the coupling across a gap may be some per cent
 constexpr Index kGapShare = 1000;     // fewer points at gaps than this part of all are holes of the sampling
@@ -41,6 +45,7 @@ std::string formatPlace(const Vec3& p) {
 RestSurface cleanInput(const cloud::PointCloud& input) {
   RestSurface s;
   s.dense = cloud::clean(input);
+  const cloud::NearPoints near = cloud::mergeNearPoints(s.dense);
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (n < 3)
     throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) +
@@ -54,7 +59,32 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
         count(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));
   if (s.dense.num_coincident > 0)
     s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
+  if (near.num_merged > 0)
+    s.notes.push_back(count(near.num_merged, "points are at most ") + formatShort(near.distance) +
+                      " m from others, where the spacing is " + formatShort(near.spacing) +
+                      " m: they are taken for the same points and move with them");
   return s;
+}
+
+void warnOfClosePoints(RestSurface& s) {
+  if (s.points.size() < 2) return;
+  const double spacing = cloud::findTypicalSpacing(s.points);
+  const cloud::KdTree tree(s.points);
+  std::vector<cloud::Neighbor> near;
+  Index num_close = 0;
+  double least = kClose * kClose * spacing * spacing;
+  const double limit = least;
+  for (const Vec3& p : s.points) {
+    tree.nearest(p, 2, near);
+    if (near.size() < 2 || !(near[1].squared_distance < limit)) continue;
+    ++num_close;
+    least = std::min(least, near[1].squared_distance);
+  }
+  if (num_close == 0) return;
+  s.warnings.push_back(count(num_close, "simulation points are nearer to another than a hundredth of the spacing, ") +
+                       formatShort(spacing) + " m; the nearest two are " + formatShort(std::sqrt(least)) +
+                       " m apart: steps may need very many sub-steps; a cloud without such points, or fewer simulation points, "
+                       "avoids this");
 }
 
 bool hasGaps(const cloud::GeodesicNeighbors& found, const RestSurface& s) {

@@ -14,6 +14,9 @@ std::string formatPlace(const Vec3& p);
 /// The finite, distinct points of the input. InputError if there are fewer than three.
 RestSurface cleanInput(const cloud::PointCloud& input);
 
+/// Warns of simulation points that are almost the same, for which steps are short. O(m log m).
+void warnOfClosePoints(RestSurface& s);
+
 /// Whether there are gaps, not only holes of the sampling.
 bool hasGaps(const cloud::GeodesicNeighbors& found, const RestSurface& s);
 /// Adds a note about gaps that the sampling hardly resolves.

@@ -6,25 +6,32 @@
 
 #include "joined_layers.h"
 #include "narrow_gaps.h"
+#include "rest_parts.h"
 #include "unconstrained_parts.h"
 
 namespace deformable_surface::simulation {
+namespace {
+
+void addNotes(const SceneParams& params, RestSurface& s) {
+  noteUnconstrained(params, s);
+  warnOfClosePoints(s);
+  noteNarrowGaps(s);
+  noteJoinedLayers(s);
+}
+
+}  // namespace
 
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = findModel(params.model).makeRest(params, input, coarsest, choose);
-  noteUnconstrained(params, s);
-  noteNarrowGaps(s);
-  noteJoinedLayers(s);
+  addNotes(params, s);
   return s;
 }
 
 RestSurface buildRestSurface(const SceneParams& params, RestSurface prepared,
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = findModel(params.model).finishRest(params, std::move(prepared), choose);
-  noteUnconstrained(params, s);
-  noteNarrowGaps(s);
-  noteJoinedLayers(s);
+  addNotes(params, s);
   return s;
 }
 

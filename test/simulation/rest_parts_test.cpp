@@ -24,6 +24,32 @@ TEST(RestParts, CleanInputNeedsThreePointsAndCountsWhatItLeavesOut) {
   EXPECT_EQ(s.notes[1], "1 input points coincide with others and move with them");
 }
 
+Points makeGrid() {
+  Points points;
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10; ++j) points.emplace_back(0.1 * i, 0.1 * j, 0.0);
+  return points;
+}
+
+TEST(RestParts, PointsThatAreAlmostTheSameAreMergedOrWarnedOf) {
+  Points points = makeGrid();
+  points.push_back(points[5] + Vec3(0.0, 1e-9, 0.0));
+  RestSurface s = simulation::cleanInput(asCloud(points));
+  EXPECT_EQ(s.dense.positions.size(), 100u);
+  EXPECT_EQ(s.dense.point_of_input[100], 5);
+  ASSERT_EQ(s.notes.size(), 1u);
+  EXPECT_EQ(s.notes[0].substr(0, 60), "1 points are at most 1e-09 m from others, where the spacing ");
+  s.points = s.dense.positions;
+  simulation::warnOfClosePoints(s);
+  EXPECT_TRUE(s.warnings.empty());
+
+  s.points.push_back(s.points[7] + Vec3(0.0, 1e-4, 0.0));
+  simulation::warnOfClosePoints(s);
+  ASSERT_EQ(s.warnings.size(), 1u);
+  EXPECT_NE(s.warnings[0].find("2 simulation points are nearer to another"), std::string::npos) << s.warnings[0];
+  EXPECT_NE(s.warnings[0].find("0.0001 m apart"), std::string::npos) << s.warnings[0];
+}
+
 // A grid of 11 x 3 points, one apart, whose first columns are pinned.
 struct Pinned {
   explicit Pinned(double edge) {
