@@ -4,9 +4,12 @@
 #include "deformable_surface/base/value.h"
 
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
+#include <utility>
 
 namespace deformable_surface::io {
 namespace {
@@ -15,6 +18,9 @@ using cloud::PointCloud;
 using cloud::ScalarType;
 
 constexpr char kBlanks[] = " \t\r";
+
+constexpr double kLeastLength = 0.9, kMostLength = 1.1;  // of a normal: files round to one digit or more
+constexpr double kFewestUnit = 0.9;                      // of the rows that have one
 
 /// The lines of a file one after the other, with sentences that name them.
 class Lines {
@@ -68,6 +74,32 @@ void finish(const std::string& file, PointCloud& cloud) {
   cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
 }
 
+// Columns 4 to 6 may be anything. Normals have about unit length; zeros and values that are not finite stand for missing ones.
+bool areNormals(const Points& columns) {
+  Index num_unit = 0, num_given = 0;
+  for (const Vec3& row : columns) {
+    const double length = row.norm();
+    if (length == 0.0 || !std::isfinite(length)) continue;
+    ++num_given;
+    num_unit += length >= kLeastLength && length <= kMostLength;
+  }
+  return static_cast<double>(num_unit) >= kFewestUnit * static_cast<double>(num_given);
+}
+
+void keepAsFields(PointCloud& cloud) {
+  std::vector<cloud::ExtraField> fields;
+  for (int c = 0; c < 3; ++c) {
+    cloud::ExtraField field{"column_" + std::to_string(c + 4), ScalarType::kFloat64, 1, {}};
+    field.bytes.resize(cloud.normals.size() * sizeof(double));
+    for (std::size_t i = 0; i < cloud.normals.size(); ++i)
+      std::memcpy(&field.bytes[i * sizeof(double)], &cloud.normals[i][c], sizeof(double));
+    fields.push_back(std::move(field));
+  }
+  cloud.extra_fields.insert(cloud.extra_fields.begin(), std::make_move_iterator(fields.begin()),
+                            std::make_move_iterator(fields.end()));
+  cloud.normals.clear();
+}
+
 }  // namespace
 
 PointCloud readXyz(const std::string& file, Index max_points) {
@@ -94,6 +126,7 @@ PointCloud readXyz(const std::string& file, Index max_points) {
       out.insert(out.end(), bytes, bytes + sizeof(double));
     }
   }
+  if (!areNormals(cloud.normals)) keepAsFields(cloud);
   finish(file, cloud);
   return cloud;
 }

@@ -54,6 +54,12 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
     s.notes.push_back(
         "neighbours are far apart in the order of the cloud, so that its points are sorted internally (outputs keep the input's "
         "order)");
+  // So readers of text name what they do not take for normals.
+  const auto isFourth = [](const cloud::ExtraField& field) { return field.name == "column_4"; };
+  if (std::any_of(input.extra_fields.begin(), input.extra_fields.end(), isFourth))
+    s.notes.push_back(
+        "columns 4 to 6 of the file are no normals, since most are not of about unit length (0.9 to 1.1): they are passed on as "
+        "fields");
   if (s.dense.num_not_finite > 0)
     s.notes.push_back(
         count(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));

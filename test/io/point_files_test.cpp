@@ -211,6 +211,23 @@ TEST_F(PointFiles, ReadsPlainTextWithAndWithoutNormals) {
   EXPECT_TRUE(readPointFile(write("c.xyz", "1 2 3 0 0 0\n"), 1.0, kMany).normals.empty());
 }
 
+TEST_F(PointFiles, TakesColumnsThatAreNotOfUnitLengthForNoNormals) {
+  const PointCloud colours = readPointFile(write("a.xyz", "1 2 3 255 0 10 7\n4 5 6 0 0 1 8\n"), 1.0, kMany);
+  EXPECT_TRUE(colours.normals.empty());
+  ASSERT_EQ(colours.extra_fields.size(), 4u);
+  EXPECT_EQ(colours.extra_fields[3].name, "column_7");
+  ASSERT_TRUE(findField(colours, "column_4"));
+  EXPECT_EQ(findField(colours, "column_4")->bytes, makeField<double>("", ScalarType::kFloat64, 1, {255, 0}).bytes);
+  EXPECT_EQ(findField(colours, "column_6")->bytes, makeField<double>("", ScalarType::kFloat64, 1, {10, 1}).bytes);
+  std::string rounded, missing;
+  for (int i = 0; i < 20; ++i) {
+    rounded += i < 19 ? "1 2 3 0.67 0.67 0.33\n" : "1 2 3 1 1 1\n";
+    missing += i < 10 ? "1 2 3 0 0 0\n" : "1 2 3 0 1 0\n";
+  }
+  EXPECT_EQ(readPointFile(write("b.xyz", rounded), 1.0, kMany).normals.size(), 20u);
+  EXPECT_EQ(readPointFile(write("c.xyz", missing), 1.0, kMany).normals.size(), 20u);
+}
+
 TEST_F(PointFiles, RefusesBrokenPlainText) {
   EXPECT_TRUE(contains(problem("a.xyz", "1 2\n"), "line 1: found 2 numbers"));
   EXPECT_TRUE(contains(problem("a.xyz", "1 2 3\n1 2 3 4 5 6\n"), "line 2: found 6 numbers; accepted: 3"));

@@ -50,6 +50,13 @@ TEST(RestParts, PointsThatAreAlmostTheSameAreMergedOrWarnedOf) {
   EXPECT_NE(s.warnings[0].find("0.0001 m apart"), std::string::npos) << s.warnings[0];
 }
 
+TEST(RestParts, ColumnsThatAreNoNormalsAreTold) {
+  cloud::PointCloud cloud = asCloud(makeGrid());
+  EXPECT_TRUE(simulation::cleanInput(cloud).notes.empty());
+  cloud.extra_fields.push_back({"column_4", cloud::ScalarType::kFloat64, 1, std::vector<std::uint8_t>(800)});
+  ASSERT_EQ(simulation::cleanInput(cloud).notes.size(), 1u);
+}
+
 // A grid of 11 x 3 points, one apart, whose first columns are pinned.
 struct Pinned {
   explicit Pinned(double edge) {
