@@ -1,6 +1,7 @@
 #include "deformable_surface/simulation/grips.h"
 
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -162,15 +163,16 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
       update.changed = true;
       update.begun.push_back(&grip - grips_.data());
       if (grip.points.empty())
-        update.notice = "tool " + quote(grip.tool.id) + " takes hold of nothing: no free point is inside it; " + kAnew;
+        appendNotice(update.notice,
+                     "tool " + quote(grip.tool.id) + " takes hold of nothing: no free point is inside it; " + kAnew);
     }
     if (!(grip.tool.strength > 0.0) || grip.points.empty()) continue;
     Vec3 force = Vec3::Zero();
     for (const Index i : grip.points) force += forces[i];
     if (force.norm() <= grip.tool.strength) continue;
     letGo(grip);
-    update.notice = "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " + formatShort(force.norm()) +
-                    " N; " + kAnew;
+    appendNotice(update.notice, "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " +
+                                    formatShort(force.norm()) + " N; " + kAnew);
   }
   return update;
 }

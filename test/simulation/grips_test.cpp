@@ -235,6 +235,22 @@ TEST(Grips, TheHeldWeightIsFeltAndAWeakerHandLetsGoAndSaysSo) {
   EXPECT_EQ(weak.toolReactions().front().contacts, 0);
 }
 
+TEST(Grips, AllThatAreLostInOneStepAreTold) {
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.tools = {hand(), hand()};
+  p.tools[1].id = "other";
+  for (tool::ToolParams& tool : p.tools) {
+    tool.path.resize(1);
+    tool.strength = 1e-9;
+  }
+  simulation::Simulation weak(p, sheetCloud());
+  std::string notice;
+  for (int k = 0; k < 200 && notice.find("lost its grip") == std::string::npos; ++k) notice = weak.step().notice;
+  for (const char* id : {"hand", "other"})
+    EXPECT_NE(notice.find("tool '" + std::string(id) + "' has lost its grip"), std::string::npos) << notice;
+}
+
 TEST(Grips, ASnapshotHoldsTheGrip) {
   simulation::SceneParams p = hangingSheet();
   p.tools = {hand()};
