@@ -1,7 +1,10 @@
 #include "deformable_surface/simulation/rest_surface.h"
 
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/near_points.h"
 #include "deformable_surface/simulation/model_kind.h"
 
+#include <cmath>
 #include <utility>
 
 #include "joined_layers.h"
@@ -12,8 +15,26 @@
 namespace deformable_surface::simulation {
 namespace {
 
+constexpr double kFarAnchor = 5.0;  // spacings: the nearest simulation point is nearer also where few points are simulated
+
+void noteFarAnchors(const SceneParams& params, RestSurface& s) {
+  if (params.anchors.empty() || s.points.empty()) return;
+  const double reach = kFarAnchor * cloud::findTypicalSpacing(s.points);
+  const cloud::KdTree tree(s.points);
+  std::vector<cloud::Neighbor> nearest;
+  for (std::size_t a = 0; a < params.anchors.size(); ++a) {
+    tree.nearest(params.anchors[a].point, 1, nearest);
+    const double distance = std::sqrt(nearest[0].squared_distance);
+    if (!(distance > reach)) continue;
+    s.notes.push_back("anchors[" + std::to_string(a) + "]: no simulation point lies within " + formatShort(kFarAnchor) +
+                      " spacings, " + formatShort(reach) + " m; it acts on the nearest one, " + formatShort(distance) +
+                      " m from its point");
+  }
+}
+
 void addNotes(const SceneParams& params, RestSurface& s) {
   noteUnconstrained(params, s);
+  noteFarAnchors(params, s);
   warnOfClosePoints(s);
   noteNarrowGaps(s);
   noteJoinedLayers(s);

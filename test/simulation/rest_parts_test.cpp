@@ -57,6 +57,19 @@ TEST(RestParts, ColumnsThatAreNoNormalsAreTold) {
   ASSERT_EQ(simulation::cleanInput(cloud).notes.size(), 1u);
 }
 
+TEST(RestParts, AnAnchorFarFromThePointsIsTold) {
+  SceneParams params;
+  params.anchors.push_back({Vec3(10.0, 0.0, 0.0), Vec3(10.0, 0.0, 1.0), 1.0});
+  params.anchors.push_back({Vec3(0.52, 0.41, 0.03), Vec3(0.5, 0.4, 1.0), 1.0});
+  const RestSurface s = simulation::buildRestSurface(params, asCloud(makeGrid()), 3);
+  std::string notes;
+  for (const std::string& note : s.notes) notes += note + "\n";
+  EXPECT_NE(notes.find("anchors[0]: no simulation point lies within 5 spacings, 0.5 m; it acts on the nearest one, 9.1 m"),
+            std::string::npos)
+      << notes;
+  EXPECT_EQ(notes.find("anchors[1]"), std::string::npos) << notes;
+}
+
 // A grid of 11 x 3 points, one apart, whose first columns are pinned.
 struct Pinned {
   explicit Pinned(double edge) {
