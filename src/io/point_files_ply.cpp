@@ -7,7 +7,11 @@
 #include <pcl/io/ply_io.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <fstream>
+#include <numeric>
 
 namespace deformable_surface::io {
 
@@ -23,6 +27,32 @@ std::uint64_t sizeOfPlyType(const std::string& file, const std::string& type) {
   refuse(file, "found the property type " + quote(type) + "; accepted: char, uchar, short, ushort, int, uint, float, double");
 }
 
+/// Checks the lines behind the header: PCL takes words for NaN and leaves out the lines that are too many. counts: of the
+/// elements, a line each, the vertices first.
+void checkLines(const std::string& file, const Head& head, const std::vector<std::uint64_t>& counts, std::size_t properties) {
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(head.header_bytes));
+  const std::uint64_t points = counts[0], wanted = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  std::string line;
+  for (std::uint64_t row = 0; std::getline(stream, line); ++row) {
+    const char* next = line.c_str();
+    const auto skipBlanks = [&] { next += std::strspn(next, " \t\r"); };
+    const auto refuseLine = [&](const std::string& accepted) {
+      refuse(file, "line " + std::to_string(head.lines.size() + row + 1) + ": found " + quote(line) + "; accepted: " + accepted);
+    };
+    skipBlanks();
+    if (row >= wanted && *next != '\0') refuseLine("as many lines as the header says, " + std::to_string(wanted));
+    if (row >= points) continue;
+    for (std::size_t p = 0; p < properties; ++p) {
+      char* end = nullptr;
+      std::strtod(next, &end);
+      if (end == next) refuseLine("a number for each of the " + std::to_string(properties) + " properties");
+      next = end;
+      skipBlanks();
+    }
+  }
+}
+
 /// Checks the header of a PLY file for all that PCL takes on trust. Returns the number of points.
 std::uint64_t checkPly(const std::string& file, Index max_points) {
   const Head head = readHead(file, "end_header");
@@ -30,7 +60,7 @@ std::uint64_t checkPly(const std::string& file, Index max_points) {
   std::string format;
   std::vector<std::string> properties;  // of the vertices
   std::uint64_t points = 0, step = 0;
-  int elements = 0;
+  std::vector<std::uint64_t> counts;  // of the elements
   for (const std::vector<std::string>& words : head.lines) {
     if (words.empty()) continue;
     if (words[0] == "format" && words.size() == 3) format = words[1];
@@ -41,11 +71,12 @@ std::uint64_t checkPly(const std::string& file, Index max_points) {
       const std::uint64_t count = toCount(file, words[2]);
       if (count > head.file_bytes)
         refuse(file, "found more elements " + quote(words[1]) + " than bytes; accepted: a complete file");
-      if ((++elements == 1) != (words[1] == "vertex")) refuse(file, "accepted: one element 'vertex', before all others");
+      if (counts.empty() != (words[1] == "vertex")) refuse(file, "accepted: one element 'vertex', before all others");
       if (words[1] == "range_grid") refuse(file, "found a range grid; accepted: a plain list of vertices");
-      if (elements == 1) points = count;
+      if (counts.empty()) points = count;
+      counts.push_back(count);
     }
-    if (words[0] != "property" || elements != 1) continue;
+    if (words[0] != "property" || counts.size() != 1) continue;
     if (words.size() != 3) refuse(file, "found a list among the properties of the vertices; accepted: single numbers");
     const std::string &type = words[1], &name = words[2];
     step += sizeOfPlyType(file, type);
@@ -71,6 +102,7 @@ std::uint64_t checkPly(const std::string& file, Index max_points) {
     refuse(file, "found too many properties; accepted: at most " + std::to_string(kMaxScalars));
   if (format == "ascii") {
     checkCounts(file, points, body + 1, points * properties.size() * kMinTextBytes, max_points);
+    checkLines(file, head, counts, properties.size());
   } else if (format == "binary_little_endian" || format == "binary_big_endian") {
     checkCounts(file, points, body, points * step, max_points);
   } else {

@@ -228,6 +228,15 @@ TEST_F(PointFiles, TakesColumnsThatAreNotOfUnitLengthForNoNormals) {
   EXPECT_EQ(readPointFile(write("c.xyz", missing), 1.0, kMany).normals.size(), 20u);
 }
 
+TEST_F(PointFiles, NamesTheLineOfAPlyThatIsNotAsItsHeaderSays) {
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", kXyz, "1 2 3\n4 5 6\n")),
+                       "line 10: found '4 5 6'; accepted: as many lines as the header says, 1"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("2", kXyz, "1 2 3\na b c\n")),
+                       "line 10: found 'a b c'; accepted: a number for each of the 3 properties"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("2", kXyz, "1 2 3\n4.25 5.25\n")), "line 10: found '4.25 5.25'"));
+  EXPECT_EQ(readPointFile(write("a.ply", makePly("2", kXyz, "1 2 3\r\nnan nan nan\r\n\n \n")), 1.0, kMany).size(), 2);
+}
+
 TEST_F(PointFiles, RefusesBrokenPlainText) {
   EXPECT_TRUE(contains(problem("a.xyz", "1 2\n"), "line 1: found 2 numbers"));
   EXPECT_TRUE(contains(problem("a.xyz", "1 2 3\n1 2 3 4 5 6\n"), "line 2: found 6 numbers; accepted: 3"));
