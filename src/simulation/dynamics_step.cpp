@@ -400,10 +400,14 @@ Grips::Update Dynamics::updateGrips(double now, double dt) {
 
 // Before the step: changes of the model beside the motion.
 std::string Dynamics::live(double now, double dt) {
+  const bool had_points = now_.points.size() > 0;
   const Evolution::Change change = evolution_->beforeStep(now, dt, tools_, now_.points);
   if (change.has_energy) march_.restart();
   followPopulation(change.population);
-  return change.population.notice;
+  std::string notice = change.population.notice;
+  if (had_points && now_.points.size() == 0)
+    appendNotice(notice, "the last particle has been removed: nothing is left that could move");
+  return notice;
 }
 
 }  // namespace deformable_surface::simulation

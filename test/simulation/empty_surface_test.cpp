@@ -60,6 +60,7 @@ Simulation makeEmpty(const SceneParams& scene) {
   const simulation::StepOutcome outcome = s.step();
   EXPECT_TRUE(outcome.ok) << outcome.problem;
   EXPECT_EQ(s.state().size(), 0);
+  EXPECT_NE(outcome.notice.find("the last particle has been removed"), std::string::npos) << outcome.notice;
   s.removeTool("eraser");
   return s;
 }
