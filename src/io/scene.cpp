@@ -212,9 +212,11 @@ void setByPath(Value& root, const std::string& assignment) {
       const std::int64_t* item = number.asInteger();
       if (!item || *item < 0 || *item >= static_cast<std::int64_t>(list->size())) {
         refuseAssignment("found " + quote(key) + " as the place in a list of " + std::to_string(list->size()) +
-                         "; accepted: the number of an item, from 0");
+                         "; accepted: " + (list->empty() ? "none" : "0 to " + std::to_string(list->size() - 1)));
       }
       place = &(*list)[static_cast<std::size_t>(*item)];
+    } else if (place->isNull() && parseNumber(key).asInteger()) {
+      refuseAssignment("found " + quote(key) + " as the place in a list that the scene does not have; accepted: a whole list");
     } else if (place->isMap() || place->isNull()) {
       Value* member = place->find(key);
       place = member ? member : &place->set(key, {});

@@ -394,6 +394,21 @@ TEST(SetByPath, OverridesAndAdds) {
   EXPECT_THROW(readScene(empty), InputError);
 }
 
+TEST(SetByPath, SaysHowManyItemsThereAre) {
+  Value scene = parseYaml("tools: [{id: a}, {id: b}]\npins: []", "test.yaml");
+  const auto findProblem = [&](const std::string& text) -> std::string {
+    try {
+      setByPath(scene, text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(findProblem("tools[9].friction=1").find("in a list of 2; accepted: 0 to 1"), std::string::npos);
+  EXPECT_NE(findProblem("pins[0].orientation=true").find("in a list of 0; accepted: none"), std::string::npos);
+  EXPECT_NE(findProblem("forces[0].radius=1").find("in a list that the scene does not have"), std::string::npos);
+}
+
 TEST(SetByPath, RefusesWhatIsNoAssignment) {
   Value scene = parseYaml(kFullScene, "test.yaml");
   for (const char* text : {"", "duration", "=1", "a..b=1", "forces.2.id=x", "forces.x.id=y", "forces[2].id=x", "forces[-1].id=x",
