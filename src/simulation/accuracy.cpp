@@ -1,12 +1,16 @@
 #include "accuracy.h"
 
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/simulation/model_kind.h"
 
+#include <algorithm>
 #include <functional>
 
 #include "accuracy_memory.h"
+#include "accuracy_probe.h"
 #include "choice_by_error.h"
 #include "choice_by_time.h"
+#include "rest_steps.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -51,6 +55,20 @@ RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& inpu
 RestSurface buildChosen(const SceneParams& params, RestSurface prepared, AccuracyChoice& choice) {
   const auto build = [&](const ModelKind::Choose& choose) { return buildRestSurface(params, std::move(prepared), choose); };
   return buildChosenBy(build, params, choice);
+}
+
+RestSurface buildUntried(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice) {
+  choice = AccuracyChoice{};
+  choice.is_asked = true;
+  RestSurface rest = buildRestSurface(params, input, findCoarsest(params), [&](const RestSurface& full) {
+    const Index n = static_cast<Index>(full.dense.positions.size());
+    choice.points = std::min(n, countWanted(params, n));
+    choice.sentence = "accuracy.position_error " + formatReal(params.accuracy.position_error) + " m: not known to be met by " +
+                      sayPoints(choice.points, n) + ", as many as without it, untried";
+    return choice.points;
+  });
+  rest.notes.push_back(choice.sentence);
+  return rest;
 }
 
 }  // namespace deformable_surface::simulation

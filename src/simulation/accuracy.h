@@ -11,5 +11,7 @@ namespace deformable_surface::simulation {
 RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice);
 /// The same of a surface that was prepared to_choose if the scene has an accuracy target.
 RestSurface buildChosen(const SceneParams& params, RestSurface prepared, AccuracyChoice& choice);
+/// Without trials, of a scene with a position_error: the number of points of a scene without it, of which nothing is known.
+RestSurface buildUntried(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice);
 
 }  // namespace deformable_surface::simulation

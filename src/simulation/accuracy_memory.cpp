@@ -162,6 +162,7 @@ ChoiceMemory::ChoiceMemory(const SceneParams& params, const RestSurface& full) {
   scene.cloud = CloudParams();
   scene.threads = 0;
   scene.save_directory.clear();
+  scene.accuracy.patience = AccuracyParams().patience;
   scene.expect.clear();
   std::uint64_t h = hashText(toYaml(printParams(scene)), build);
   h = hashPoints(full.dense.normals, hashPoints(full.dense.positions, h));

@@ -100,6 +100,7 @@ Changes Simulation::Impl::apply(const Command& command) {
   check(command, dynamics());
   Changes changes = run.apply(command);
   if (!changes.done) return changes;
+  was_commanded = true;
   if (isOne<command::Observe>(command)) tracking.see(static_cast<Index>(dynamics().loads().track.seen().size()));
   if (changes.moved || isOne<command::SetParams>(command)) surface.invalidate();
   const bool is_tool = isOne<command::SetTool, command::MoveTool, command::RemoveTool>(command) && !dynamics().tools().empty();
@@ -131,7 +132,7 @@ void Simulation::Impl::reset() {
   trial_notice.clear();
   lasting.clear();
   fallbacks.clear();
-  is_target_missed = is_target_kept = false;
+  is_target_missed = is_target_kept = was_commanded = false;
   largest_error = 0.0;
   tracking = {};
   surface.reset();
@@ -244,6 +245,11 @@ Simulation::Simulation(const SceneParams& params, cloud::PointCloud input, RestS
   RestSurface rest = buildChosen(params, std::move(prepared), choice);
   impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest), std::move(choice));
 }
+Simulation Simulation::untried(const SceneParams& params, cloud::PointCloud input) {
+  AccuracyChoice choice;
+  RestSurface rest = buildUntried(params, input, choice);
+  return Simulation(std::make_unique<Impl>(params, std::move(input), std::move(rest), std::move(choice)));
+}
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
@@ -336,6 +342,7 @@ void Simulation::computeSimulationNormals(Points& normals) const {
 }
 
 std::vector<std::pair<Vec3, Vec3>> Simulation::activeForces() const { return dynamics().loads().forces.active(state()); }
+bool Simulation::wasCommanded() const { return impl_->was_commanded; }
 const AccuracyChoice& Simulation::accuracyChoice() const { return impl_->choice; }
 const std::vector<std::string>& Simulation::buildNotes() const { return impl_->notes; }
 const std::vector<std::string>& Simulation::buildWarnings() const { return impl_->warnings; }

@@ -54,6 +54,7 @@ struct Simulation::Impl {
   bool is_target_missed = false;  // said since the last reset
   double largest_error = 0.0;     // m, expected where the target counts, since rest; infinite where the estimate is no bound
   bool is_target_kept = false;    // said since the last reset
+  bool was_commanded = false;     // or restored, since the last reset
   TrackingWatch tracking;         // since the last reset
   LastingNotices lasting;         // since the last reset, fork or snapshot
   FrequentSteps fallbacks;        // to another integrator; since then

@@ -35,6 +35,7 @@ Simulation::Impl::Impl(const Impl& other, bool to_view)
       is_target_missed(other.is_target_missed),
       largest_error(other.largest_error),
       is_target_kept(other.is_target_kept),
+      was_commanded(other.was_commanded),
       tracking(other.tracking),
       is_viewer(to_view) {
   dynamics().setCutFollower(&surface);
@@ -87,6 +88,7 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   fallbacks.clear();
   tracking.forgetLast();
   largest_error = std::numeric_limits<double>::infinity();  // that of the steps before it is not known
+  was_commanded = true;
   restoreLooks(saved.looks);
 }
 

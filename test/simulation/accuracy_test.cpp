@@ -31,5 +31,25 @@ TEST(AccuracyChoice, IsTheSameForASurfaceThatWasPrepared) {
   EXPECT_EQ(built.notes.back(), of_cloud.sentence);
 }
 
+TEST(AccuracyChoice, UntriedIsAThousandPointsWithTheTargetOfWhichNothingIsKnown) {
+  simulation::SceneParams p = saggingStrip(IntegratorType::kVerlet), free = p;
+  p.accuracy.position_error = 1e-3;
+  Simulation s = Simulation::untried(p, sheetCloud(40)), of_scene_without(free, sheetCloud(40));
+  const simulation::AccuracyChoice& choice = s.accuracyChoice();
+  EXPECT_TRUE(choice.is_asked);
+  EXPECT_FALSE(choice.is_met);
+  EXPECT_TRUE(choice.candidates.empty());
+  EXPECT_EQ(choice.points, 1000);
+  EXPECT_EQ(choice.sentence,
+            "accuracy.position_error 0.001 m: not known to be met by 1000 of 1600 points, as many as without it, untried");
+  EXPECT_EQ(s.buildNotes().back(), choice.sentence);
+  EXPECT_EQ(s.params().accuracy.position_error, 1e-3);
+  EXPECT_EQ(s.state().size(), 1000);
+  ASSERT_TRUE(s.step().ok);
+  ASSERT_TRUE(of_scene_without.step().ok);
+  EXPECT_EQ(s.statistics().simulation_time, of_scene_without.statistics().simulation_time);
+  EXPECT_EQ(Simulation::untried(p, sheetCloud(10)).state().size(), 100);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -18,6 +18,7 @@ namespace {
 using simulation::ForceParams;
 using simulation::SceneParams;
 using simulation::Simulation;
+using simulation::Snapshot;
 
 TEST(Simulation, StartsAtRestWithEveryPointInItsPlace) {
   const cloud::PointCloud cloud = sheetCloud();
@@ -31,6 +32,20 @@ TEST(Simulation, StartsAtRestWithEveryPointInItsPlace) {
   }
   EXPECT_EQ(s.time(), 0.0);
   EXPECT_EQ(s.statistics().simulation_points, 150u);
+}
+
+TEST(Simulation, KnowsWhetherACommandCameSinceRest) {
+  Simulation s(hangingSheet(), sheetCloud());
+  s.step();
+  const Snapshot early = s.snapshot();
+  EXPECT_FALSE(s.wasCommanded());
+  s.setGravity(Vec3::Zero());
+  EXPECT_TRUE(s.wasCommanded());
+  EXPECT_TRUE(s.fork().wasCommanded());
+  s.reset();
+  EXPECT_FALSE(s.wasCommanded());
+  s.restore(early);
+  EXPECT_TRUE(s.wasCommanded());
 }
 
 // Large enough for the points to be sorted internally.

@@ -63,6 +63,7 @@ struct AccuracyParams {
   double step_budget = 0.0;           // s of wall time per step, >= 0; 0 = not controlled
   bool estimate = true;               // estimate the error in every step
   bool remember = true;               // what trials for a position_error chose, on disk
+  double patience = 5.0;              // s of wall time, >= 0: how long a node waits for them before another surface begins
 };
 
 /// Whether the position error counts at a point with this rest position.
@@ -296,6 +297,11 @@ inline void visit(Fields& fields, AccuracyParams& p) {
   fields.flag("remember", p.remember,
               "keep what a position_error has chosen in a folder (docs/accuracy_control.md), so that the next run of the same "
               "scene needs no trials. It chooses the same");
+  fields.number(
+      "patience", p.patience, "s", between(0.0, 1e9),
+      "how long the node waits for the trials of a position_error. After this wall time the surface begins with as many "
+      "points as without a target, and the trials go on in the background. With a simulated clock, in a pause and with "
+      "`input.lockstep` the node waits to their end");
 }
 
 /// Why an accuracy target cannot choose the number of simulation points: the keys that state it, and the remedy. Empty if it can.

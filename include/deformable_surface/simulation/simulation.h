@@ -64,6 +64,8 @@ class Simulation {
   Simulation(const SceneParams& params, cloud::PointCloud input);
   /// The same from what prepareSurface() made of this cloud and a scene that shares it (prepared_surface.h).
   Simulation(const SceneParams& params, cloud::PointCloud input, RestSurface&& prepared);
+  /// The same without the trials of params.accuracy.position_error: as many points as without it, for which it counts as not met.
+  static Simulation untried(const SceneParams& params, cloud::PointCloud input);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -166,6 +168,8 @@ class Simulation {
   /// sentence with the result.
   std::string growSurface(const model::GrowthParams& growth);
 
+  /// Whether a command came or a snapshot was restored since rest.
+  bool wasCommanded() const;
   double membraneShare() const;                  // of the stated membrane stiffness, that acts now
   solve::IntegratorType lastIntegrator() const;  // of the last step; the one that auto took
 

@@ -123,9 +123,7 @@ CloudResult CloudWorker::carryOut(CloudWork& work) const {
     if (work.kind == CloudWork::Kind::kObserve) {
       result.observed = std::make_shared<const simulation::ObservedCloud>(work.cloud);
     } else {
-      auto simulation = std::make_unique<simulation::Simulation>(work.params, std::move(work.cloud));
-      result.viewer = std::make_unique<simulation::Simulation>(simulation->viewer());
-      result.simulation = std::move(simulation);
+      build(work, result);
       result.filter_notices = std::move(filtered.notices);
     }
   } catch (const std::bad_alloc&) {
@@ -134,6 +132,30 @@ CloudResult CloudWorker::carryOut(CloudWork& work) const {
     result.problem = error.what();
   }
   return result;
+}
+
+// With an accuracy target the surface is made in another thread, since its trials may take longer than the user waits.
+void CloudWorker::build(CloudWork& work, CloudResult& result) const {
+  const simulation::AccuracyParams& accuracy = work.params.accuracy;
+  const bool is_tried = accuracy.position_error > 0.0 && !work.has_patience;
+  std::unique_ptr<simulation::Simulation> simulation;
+  if (is_tried) {
+    auto choosing = std::make_unique<PendingChoice>(work.params, work.cloud, work.num_threads, [this] { inbox_.wake(); });
+    if (choosing->wait(accuracy.patience, *inbox_.closing())) {
+      PendingChoice::Made made = choosing->take();
+      result.problem = std::move(made.problem);
+      result.simulation = std::move(made.simulation);
+      result.viewer = std::move(made.viewer);
+      return;
+    }
+    endIfInterrupted();
+    simulation = std::make_unique<simulation::Simulation>(simulation::Simulation::untried(work.params, std::move(work.cloud)));
+    result.choosing = std::move(choosing);
+  } else {
+    simulation = std::make_unique<simulation::Simulation>(work.params, std::move(work.cloud));
+  }
+  result.viewer = std::make_unique<simulation::Simulation>(simulation->viewer());
+  result.simulation = std::move(simulation);
 }
 
 }  // namespace deformable_surface::node

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "inbox.h"
+#include "pending_choice.h"
 #include "warning_log.h"
 
 #include "deformable_surface/ros/convert/cloud_decoder.h"
@@ -32,6 +33,7 @@ struct CloudWork {
   std::string frame, cloud_frame;                               // of the surface; of the message
   simulation::SceneParams params;                               // to build with
   int num_threads = 1;                                          // of the loops over its points; >= 1
+  bool has_patience = true;  // it waits to the end of trials for an accuracy target, whatever accuracy.patience is
 };
 
 /// The result.
@@ -44,6 +46,8 @@ struct CloudResult {
   // For a simulation whose cloud was filtered: notices, and the cloud before the filters, in the surface's frame.
   std::vector<std::string> filter_notices;
   std::unique_ptr<cloud::PointCloud> unfiltered;
+  // For a simulation that is untried (Simulation::untried()): the one that trials still choose for; else null.
+  std::unique_ptr<PendingChoice> choosing;
 };
 
 class CloudWorker {
@@ -82,6 +86,7 @@ class CloudWorker {
   void run();
   void decode(const Arrived& arrived);
   CloudResult carryOut(CloudWork& work) const;
+  void build(CloudWork& work, CloudResult& result) const;
 
   Inbox& inbox_;
   WarningLog& warnings_;

@@ -55,6 +55,7 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   if (!content.tools_refused.empty()) commands_.toolStatuses().reportRefused(Tool(), content.tools_refused);
   if (content.cloud) clouds_.put(std::move(*content.cloud));
   if (now_ != 0) handleClouds();
+  handleChoice();
   if (simulation_ && !is_gravity_known_) updateGravity();
   // Services see the time that passed while the surface slept.
   bool has_stepped = false;

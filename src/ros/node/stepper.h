@@ -5,6 +5,7 @@
 #include "cloud_worker.h"
 #include "frame_thread.h"
 #include "inbox.h"
+#include "pending_choice.h"
 #include "pending_commands.h"
 #include "publishers.h"
 #include "snapshot_shelf.h"
@@ -123,6 +124,9 @@ class Stepper {
   void takeResult(CloudResult&& result);
   void observeReady();
   void begin(CloudResult&& result);
+  /// params_revision: of the values that it was built with.
+  void adopt(std::unique_ptr<simulation::Simulation> simulation, std::unique_ptr<simulation::Simulation> viewer,
+             std::uint64_t params_revision);
   void setSurfaceFrame(const std::string& frame);
   void reportBuilding();
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
@@ -130,8 +134,14 @@ class Stepper {
   bool isAgain(const CloudWork& work) const;
   bool isTracking() const;
 
+  // In stepper_choice.cpp:
+  void handleChoice();
+  void resetSurface();
+  std::string describeAccuracy() const;
+
   // In stepper_output.cpp:
   Moment makeMoment();
+  void show(std::int64_t stamp);
   std::int64_t outputStamp() const;
   bool isWanted() const;
   void publishWrenches();
@@ -174,6 +184,11 @@ class Stepper {
   const std::int64_t delay_;  // ns that steps stay behind the clock
 
   std::unique_ptr<simulation::Simulation> simulation_;
+  std::unique_ptr<simulation::Simulation> new_viewer_;  // of it, until it is shown for the first time
+  // The surface of the same cloud that trials for an accuracy target choose for while an untried one runs; what they made, to
+  // begin with at the next reset.
+  std::unique_ptr<PendingChoice> choosing_;
+  std::optional<PendingChoice::Made> chosen_;
   std::string frame_;
   CloudId cloud_;
   std::unique_ptr<cloud::PointCloud> unfiltered_;  // the cloud before the filters; null: the simulation's input itself
@@ -191,7 +206,8 @@ class Stepper {
     bool is_reported = false;
   };
   std::optional<Building> building_;
-  std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and of those that the last build began with
+  // Of params_; of those that the last build, and the last trials in the background, began with.
+  std::uint64_t params_revision_ = 0, built_revision_ = 0, chosen_revision_ = 0;
   PendingCommands commands_;
   SnapshotShelf snapshots_;                         // of this surface
   std::optional<Inbox::SteadyTime> missing_since_;  // in lockstep: tf does not know a frame that the next step needs

@@ -46,7 +46,7 @@ void Stepper::tellWhatLasted() {
 
 void Stepper::restart(std::int64_t now) {
   tellWhatLasted();
-  simulation_->reset();
+  resetSurface();
   beginAnew(schedule_.zero());
   skipTo(now, 0);
   updateGravity();

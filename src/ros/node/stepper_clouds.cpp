@@ -63,12 +63,13 @@ void Stepper::handleClouds() {
   work.cloud = std::move(incoming->decoded.cloud);
   work.params = params_;
   // The steps of the present surface go on meanwhile.
+  work.has_patience = is_clock_simulated_ || isLockstep() || is_paused_;
   work.num_threads = simulation_ ? std::max(1, numThreads() / 2) : numThreads();
   if (work.kind == CloudWork::Kind::kBuild) {
     built_revision_ = params_revision_;
     if (!simulation_) setSurfaceFrame(work.frame);
     if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
-    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}, {}, {}});
+    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}, {}, {}, {}});
     building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }
   worker_.begin(std::move(work));
@@ -155,15 +156,18 @@ bool Stepper::isAgain(const CloudWork& work) const {
          cloud::areEqual(work.cloud, unfiltered_ ? *unfiltered_ : simulation_->input());
 }
 
+void Stepper::adopt(std::unique_ptr<simulation::Simulation> simulation, std::unique_ptr<simulation::Simulation> viewer,
+                    std::uint64_t params_revision) {
+  simulation_ = std::move(simulation);
+  new_viewer_ = std::move(viewer);
+  simulation_->setInterrupt(inbox_.endingStep());
+  // Values that may change at run time may have changed while this surface was built.
+  if (params_revision_ != params_revision) simulation_->setParams(simulation::withRunTimeValues(simulation_->params(), params_));
+}
+
 // With the simulation that was built or, if none was, with the present one.
 void Stepper::begin(CloudResult&& result) {
   const bool is_again = !result.simulation;
-  if (!is_again) {
-    result.simulation->setInterrupt(inbox_.endingStep());
-    // Values that may change at run time may have changed while this surface was built.
-    if (params_revision_ != built_revision_)
-      result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
-  }
   // Commands for the surface before are not for this one, except those since its stamp. Before the first surface there was no
   // other that they could be for.
   if (simulation_) {
@@ -172,10 +176,13 @@ void Stepper::begin(CloudResult&& result) {
     commands_.dropBefore(result.stamp);
   }
   if (is_again) {
-    simulation_->reset();
+    resetSurface();
   } else {
-    simulation_ = std::move(result.simulation);
+    adopt(std::move(result.simulation), std::move(result.viewer), built_revision_);
     unfiltered_ = std::move(result.unfiltered);
+    choosing_ = std::move(result.choosing);
+    chosen_revision_ = built_revision_;
+    chosen_.reset();
   }
   is_as_built_ = true;
   frame_ = result.frame;
@@ -199,20 +206,14 @@ void Stepper::begin(CloudResult&& result) {
     notice = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notices;
   }
   const double behind = is_clock_simulated_ || isLockstep() ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
+  if (choosing_) notice += "; trials for accuracy.position_error go on in the background (accuracy.patience)";
   if (behind > kReportedLag)
     notice += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, and does not catch up with that time";
   ROS_INFO_STREAM(warnings_.name() << notice);
   for (const std::string& warning : simulation_->buildWarnings()) warnings_.report(Warning::kNotice, warning);
   building_.reset();
-  Moment moment = makeMoment();
   // At rest it is the cloud itself, at the cloud's stamp.
-  if (inbox_.now() - result.stamp <= kLongestBuild) moment.stamp = result.stamp;
-  moment.viewer = std::move(result.viewer);
-  moment.params = simulation_->params();
-  moment.frame = frame_;
-  moment.all = moment.is_kept = true;
-  frames_.show(std::move(moment));
-  publishWrenches();
+  show(inbox_.now() - result.stamp <= kLongestBuild ? result.stamp : outputStamp());
 }
 
 }  // namespace deformable_surface::node

@@ -59,8 +59,16 @@ bool Stepper::isWanted() const {
                               simulation_->surfaceRevision() != shown_surface_revision_);
 }
 
-void Stepper::show() {
+void Stepper::show() { show(outputStamp()); }
+
+void Stepper::show(std::int64_t stamp) {
   Moment moment = makeMoment();
+  moment.stamp = stamp;
+  if (new_viewer_) {
+    moment.viewer = std::move(new_viewer_);
+    moment.params = simulation_->params();
+    moment.frame = frame_;
+  }
   moment.all = moment.is_kept = true;
   frames_.show(std::move(moment));
   publishWrenches();
@@ -83,7 +91,7 @@ StepperStatus Stepper::status() const {
   if (simulation_) {
     status.simulation_time = simulation_->time();
     status.step = simulation_->stepCount();
-    status.accuracy = simulation_->accuracyChoice().sentence;
+    status.accuracy = describeAccuracy();
     status.has_snapped = simulation_->hasSnapped();
     if (tracking_.isLost())
       status.lost = "the tracked cloud shows " + std::to_string(tracking_.last()) + " points of the surface" +

@@ -147,7 +147,9 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                  "found " + formatReal(p.yield_curvature) +
                      " with weighting: anisotropic or mode: plane, which remember no "
                      "shape; accepted: 0");
-  fields.flag("delete_trapped", p.delete_trapped, "delete particles that are inside two solid tools at once");
+  fields.flag("delete_trapped", p.delete_trapped,
+              "delete particles that are inside two solid tools at once. Two sheets that two solid tools press together are then "
+              "joined by a tube");
   fields.flag("stretching", p.stretching, "stretching rule: insert particles between neighbours that were pulled apart");
   fields.choice(
       "growing", p.growing, {{"none", Growing::kNone}, {"gaps", Growing::kGaps}, {"edges", Growing::kEdges}},

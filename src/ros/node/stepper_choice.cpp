@@ -1,0 +1,53 @@
+// The change from a surface that runs while trials for an accuracy target go on to the one that they chose.
+#include "stepper.h"
+
+#include <ros/console.h>
+
+#include <utility>
+
+namespace deformable_surface::node {
+
+// The trials are of the surface from rest, without commands. One that had none begins anew at once: nothing of the user's is
+// lost.
+void Stepper::handleChoice() {
+  if (!choosing_ || !choosing_->isMade() || is_held_) return;
+  chosen_ = choosing_->take();
+  choosing_.reset();
+  if (!chosen_->problem.empty()) {
+    warnings_.report(
+        Warning::kNotice,
+        "the trials for accuracy.position_error ended without a choice, and the surface goes on: " + chosen_->problem);
+    chosen_.reset();
+    return;
+  }
+  const std::string chosen = chosen_->simulation->accuracyChoice().sentence;
+  if (!is_as_built_ || simulation_->wasCommanded() || !snapshots_.all().empty()) {
+    warnings_.report(
+        Warning::kNotice,
+        "~reset begins with what trials chose; the surface has had commands or snapshots, and goes on without: " + chosen);
+    return;
+  }
+  ROS_INFO_STREAM(warnings_.name() << ": the surface begins anew with what trials chose: " << chosen);
+  restart(now_);
+  if (now_ != 0) resumeAt(now_, 0);
+  show();
+}
+
+// At rest, with what trials have chosen meanwhile.
+void Stepper::resetSurface() {
+  if (!chosen_) return simulation_->reset();
+  adopt(std::move(chosen_->simulation), std::move(chosen_->viewer), chosen_revision_);
+  chosen_.reset();
+  snapshots_.clear();
+  is_as_built_ = true;
+  for (const std::string& warning : simulation_->buildWarnings()) warnings_.report(Warning::kNotice, warning);
+}
+
+std::string Stepper::describeAccuracy() const {
+  const std::string& now = simulation_->accuracyChoice().sentence;
+  if (choosing_) return now + "; trials go on in the background";
+  if (chosen_) return now + "; ~reset begins with what trials chose: " + chosen_->simulation->accuracyChoice().sentence;
+  return now;
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,82 @@
+// An accuracy target in the node: another surface runs while trials choose, and the chosen one begins when that takes nothing
+// from the user.
+#include "surface_node_fixture.h"
+
+namespace deformable_surface::node::test {
+namespace {
+
+constexpr double kLongest = 90.0;  // s, for trials on a busy machine
+const std::string kUntried = "not known to be met by 1000 of 3600 points";
+
+class AccuracyNodeTest : public ::testing::Test {
+ protected:
+  AccuracyNodeTest() {
+    cloud_ = makeSheet(60, 60);
+    cloud_.header.stamp = ros::Time::now();
+  }
+
+  // The trials take a second or more, and the first surface comes after its set-up.
+  void start(const std::string& patience) {
+    process_ = std::make_unique<NodeProcess>("/surface", R"(
+model: mass_spring
+material: {young_modulus: 1.0e6, thickness: 0.001, damping: 1.0}
+gravity: [0, 0, -1]
+duration: 1.0
+pins: [{box: {min: [-1, -1, -1], max: [0.021, 1, 1]}}]
+accuracy: {position_error: 0.02, remember: false, patience: )" +
+                                                             patience + "}");
+    client_ = std::make_unique<NodeClient>("/surface");
+    ASSERT_TRUE(client_->waitForNode()) << process_->output();
+  }
+  bool waitForAccuracy(const std::string& part) {
+    return waitUntil([&] { return client_->diagnosticText("accuracy").find(part) != std::string::npos; }, kLongest);
+  }
+
+  std::unique_ptr<NodeProcess> process_;
+  std::unique_ptr<NodeClient> client_;
+  PointCloud2 cloud_;
+};
+
+TEST_F(AccuracyNodeTest, TheChosenSurfaceBeginsAnewWhereNoCommandCame) {
+  start("0.0");
+  ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
+  EXPECT_TRUE(waitForAccuracy("points simulated")) << process_->output();
+  EXPECT_EQ(client_->diagnosticText("accuracy").find(kUntried), std::string::npos) << client_->diagnosticText("accuracy");
+  const std::string output = process_->output();
+  EXPECT_NE(output.find(kUntried), std::string::npos) << output;
+  EXPECT_NE(output.find("trials for accuracy.position_error go on in the background"), std::string::npos) << output;
+  EXPECT_NE(output.find("the surface begins anew with what trials chose: accuracy.position_error 0.02 m"), std::string::npos)
+      << output;
+}
+
+TEST_F(AccuracyNodeTest, ACommandKeepsTheSurfaceUntilAReset) {
+  start("0.0");
+  ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
+  ASSERT_TRUE(client_->pause(true).success);
+  SelectRegionRequest corner;
+  corner.primitive.type = shape_msgs::SolidPrimitive::SPHERE;
+  corner.primitive.dimensions = {0.05};
+  ASSERT_TRUE(client_->select("pin", corner).success) << process_->output();
+  EXPECT_TRUE(waitForAccuracy("~reset begins with what trials chose: accuracy.position_error 0.02 m")) << process_->output();
+  EXPECT_EQ(client_->diagnosticText("accuracy").find("accuracy.position_error 0.02 m: " + kUntried), 0u);
+  EXPECT_TRUE(client_->reset().success);
+  EXPECT_TRUE(waitUntil([&] { return client_->diagnosticText("accuracy").find(kUntried) == std::string::npos; }))
+      << client_->diagnosticText("accuracy");
+}
+
+TEST_F(AccuracyNodeTest, APatientNodeBeginsWithTheChosenSurface) {
+  start("1000.0");
+  client_->publish(cloud_);
+  EXPECT_TRUE(waitForAccuracy("points simulated")) << process_->output();
+  EXPECT_EQ(process_->output().find(kUntried), std::string::npos) << process_->output();
+}
+
+}  // namespace
+}  // namespace deformable_surface::node::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "accuracy_rostest");
+  ros::NodeHandle keep;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,67 @@
+// That the surface made in the background is the one that trials choose, and that they end when nobody wants them any more.
+#include "../../../src/ros/node/pending_choice.h"
+
+#include "simulation/sagging_strip.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::node {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+
+const std::atomic<bool> kNever{false};
+constexpr double kLong = 600.0;  // s
+
+SceneParams withTarget() {
+  SceneParams p = test::saggingStrip(solve::IntegratorType::kVerlet);
+  p.accuracy.position_error = 0.1;
+  return p;
+}
+
+TEST(PendingChoice, IsTheSurfaceThatTrialsChoose) {
+  std::atomic<int> calls{0};
+  PendingChoice choosing(withTarget(), test::strip(), 1, [&] { ++calls; });
+  ASSERT_TRUE(choosing.wait(kLong, kNever));
+  EXPECT_TRUE(choosing.isMade());
+  PendingChoice::Made made = choosing.take();
+  ASSERT_EQ(made.problem, "");
+  Simulation direct(withTarget(), test::strip());
+  EXPECT_TRUE(made.simulation->accuracyChoice().is_met);
+  EXPECT_EQ(made.simulation->accuracyChoice().sentence, direct.accuracyChoice().sentence);
+  ASSERT_TRUE(made.simulation->step().ok);
+  ASSERT_TRUE(direct.step().ok);
+  EXPECT_EQ(made.simulation->stateHash(), direct.stateHash());
+  made.viewer->restore(made.simulation->sight());
+  EXPECT_FALSE(made.viewer->step().ok);
+}
+
+// Else the test would last until its limit: the trials take days.
+TEST(PendingChoice, EndsItsTrialsWhenItGoes) {
+  SceneParams p = withTarget();
+  p.accuracy.position_error = 1e-9;
+  p.duration = 1e6;
+  std::atomic<int> calls{0};
+  {
+    PendingChoice choosing(p, test::strip(), 1, [&] { ++calls; });
+    EXPECT_FALSE(choosing.wait(0.3, kNever));
+    EXPECT_FALSE(choosing.wait(kLong, std::atomic<bool>(true)));
+    EXPECT_FALSE(choosing.isMade());
+  }
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(PendingChoice, TellsWhyThereIsNone) {
+  SceneParams p = withTarget();
+  p.pins.emplace_back();
+  p.pins.back().region.min = p.pins.back().region.max = Vec3::Constant(1e3);
+  PendingChoice choosing(p, test::strip(), 1, [] {});
+  ASSERT_TRUE(choosing.wait(kLong, kNever));
+  const PendingChoice::Made made = choosing.take();
+  EXPECT_FALSE(made.simulation);
+  EXPECT_NE(made.problem.find("pins"), std::string::npos) << made.problem;
+}
+
+}  // namespace
+}  // namespace deformable_surface::node
