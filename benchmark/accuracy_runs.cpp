@@ -52,6 +52,7 @@ Run run(const AccuracyScene& scene, Index level, const Setting& setting) {
   result.cpu = processorSeconds() - cpu;
   result.wall = timer.seconds();
   result.substeps = static_cast<Index>(simulation.statistics().substeps);
+  result.is_implicit = simulation.lastIntegrator() == IntegratorType::kImplicit;
   result.simulated = simulation.state().positions;
   result.dense = simulation.surface(false).positions;
   return result;

@@ -21,6 +21,7 @@ struct Run {
   double setup = 0.0;            // s of processor time, from the cloud to the first step
   double cpu = 0.0, wall = 0.0;  // s
   Index substeps = 0;            // of the last step
+  bool is_implicit = false;      // the last step
   std::string state = "sound";
 };
 

@@ -111,6 +111,42 @@ AccuracyScene makeDrape(Index points) {
   return scene;
 }
 
+// A towel on a table, of which one edge is carried over the other: it meets itself and stays folded. Scattered points.
+AccuracyScene makeFold(Index points) {
+  AccuracyScene scene{"fold", {}, {}, 1.0, {}, {}};
+  simulation::CloudParams cloud;
+  cloud.shape = simulation::CloudParams::Shape::kSheet;
+  cloud.points = points;
+  cloud.size = Vec2(0.3, 0.3);
+  cloud.jitter = 0.3;
+  scene.cloud = io::makeShape(cloud);
+  scene.params.material.young_modulus = 3e5;
+  scene.params.material.thickness = 0.001;
+  scene.params.material.density = 250.0;
+  scene.params.material.bending_rigidity = 2e-5;
+  scene.params.material.damping = 5.0;
+  scene.params.contact.self = true;
+  tool::ToolParams table, hand;
+  table.id = "table";
+  table.friction = 0.5;
+  table.shape.kind = geometry::Solid::Kind::kPlane;
+  table.path = {{0.0, Vec3(0.0, 0.0, -1e-4), Vec4(0.0, 0.0, 0.0, 1.0)}};
+  hand.id = "hand";
+  hand.mode = tool::Mode::kMove;
+  hand.shape.kind = geometry::Solid::Kind::kBox;
+  hand.shape.size = Vec3(0.02, 0.4, 0.04);
+  hand.end = 0.85;
+  constexpr int kWaypoints = 13;
+  for (int i = 0; i <= kWaypoints; ++i) {  // along half an ellipse, slowly at both ends
+    const double share = static_cast<double>(i) / kWaypoints, angle = M_PI * share * share * (3.0 - 2.0 * share);
+    hand.path.push_back(
+        {0.8 * share, Vec3(0.02 + 0.13 * std::cos(angle), 0.0, 0.005 + 0.09 * std::sin(angle)), Vec4(0.0, 0.0, 0.0, 1.0)});
+  }
+  scene.params.tools = {table, hand};
+  scene.levels = halve(scene.cloud.size());
+  return scene;
+}
+
 // A plate of scattered points with small bending, so that theories of small deflections are valid. Poisson's ratio 0, as for a
 // beam.
 constexpr double kWeak = 0.01;  // m/s^2, of gravity
@@ -222,8 +258,12 @@ std::vector<AccuracyScene> makeStaticScenes(bool large) {
 
 std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
   const Index points = large ? 1254 : 400;
-  std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points),
-                                    makeSwing("swing_rigid", 1e7, points / 4), makeDrape(points), makeSag(points)};
+  std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points),
+                                    makeSwing("swing_stiff", 1e5, points),
+                                    makeSwing("swing_rigid", 1e7, points / 4),
+                                    makeDrape(points),
+                                    makeFold(points),
+                                    makeSag(points)};
   scenes.push_back(makeCantilever("cantilever", 0.0));
   scenes.push_back(makeCantilever("cantilever_swing", 0.2));
   scenes.push_back(makeClampedPlate());

@@ -4,6 +4,8 @@
 
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/simulation/rest_surface.h"
+#include "machine_limits.h"
+#include "scale_models.h"
 #include "sections.h"
 
 #include <algorithm>
@@ -54,7 +56,17 @@ struct Row {
   Run run;
   Error time, space, transfer, total;
   bool on_front = false;
+  double limit = std::numeric_limits<double>::quiet_NaN();  // s, below which the machine cannot be; NaN: not known
 };
+
+// The force passes over the triangles alone, at the machine's limit of arithmetic. Not of models and methods whose operations are
+// not counted.
+double findLimit(const AccuracyScene& scene, const Setting& setting, const Run& run, double pass_operations, double arithmetic) {
+  const bool is_explicit = setting.type == IntegratorType::kVerlet || setting.type == IntegratorType::kAuto;
+  if (scene.duration == 0.0 || scene.params.model != "mass_spring" || !is_explicit || run.is_implicit)
+    return std::numeric_limits<double>::quiet_NaN();
+  return scene.duration / setting.time_step * run.substeps * pass_operations / arithmetic;
+}
 
 // No other sound row of the scene is both cheaper and better.
 void markFront(std::vector<Row>& rows) {
@@ -70,8 +82,9 @@ void runAccuracySection(const Options& options, Report& report) {
   report.begin("accuracy", "Run time against error, one thread; errors in metres, rms / largest over the cloud",
                {"scene",        "method",       "points",    "time_step_ms", "substeps", "tolerance", "max_iterations",
                 "setup_s",      "cpu_s",        "wall_s",    "time_rms",     "time_max", "space_rms", "space_max",
-                "transfer_rms", "transfer_max", "total_rms", "total_max",    "front",    "state"});
+                "transfer_rms", "transfer_max", "total_rms", "total_max",    "front",    "state",     "limit_s"});
   setNumThreads(1);
+  const double arithmetic = measureArithmetic(options.budget);
   std::vector<std::string> notes;
   for (const AccuracyScene& scene : makeAccuracyScenes(options.large)) {
     if (scene.name.compare(0, options.scene.size(), options.scene) != 0) continue;
@@ -100,6 +113,7 @@ void runAccuracySection(const Options& options, Report& report) {
       } else {
         rest.solid_transfer.apply(there, carried, nullptr);
       }
+      const double pass_operations = countTriangleOperations(*rest.model);
       const Error space = measureError(reference.simulated, there), transfer = measureError(carried, truth.dense);
       for (const Setting& setting : chooseSettings(scene, reference.substep)) {
         Row row{scene.name,
@@ -111,6 +125,7 @@ void runAccuracySection(const Options& options, Report& report) {
                 space,
                 transfer,
                 {}};
+        row.limit = findLimit(scene, setting, row.run, pass_operations, arithmetic);
         if (row.run.state == "sound" || row.run.state == "not converged") {
           row.time = measureError(row.run.dense, reference.dense);
           row.total = measureError(row.run.dense, truth.dense);
@@ -140,13 +155,16 @@ void runAccuracySection(const Options& options, Report& report) {
                   show(row.total.rms),
                   show(row.total.largest),
                   row.on_front ? "yes" : "no",
-                  row.run.state});
+                  row.run.state,
+                  show(row.limit)});
   }
   setNumThreads(0);
   report.end();
   for (const std::string& note : notes) report.note(note);
   report.note(
       "time: against the same points with the step going to zero; space: that against the truth, at the simulation points;");
+  report.note("limit: processor time of the force passes over triangles alone at " + show(1e-9 * arithmetic) +
+              " Gop/s, the limit of this machine's arithmetic on one thread; explicit steps of surfaces");
   report.note(
       "transfer: the truth at the simulation points carried to the cloud, against the truth; total: the run against the truth");
 }

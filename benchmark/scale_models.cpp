@@ -86,6 +86,10 @@ double totalEnergy(const Simulation& simulation) {
 
 }  // namespace
 
+double countTriangleOperations(const model::DeformableModel& model) {
+  return kTriangle.operations * static_cast<double>(trianglesOf(model).size());
+}
+
 void measureModels(const Options& options, Report& report, std::vector<CountedStage>& counted) {
   struct Growth {
     std::string name;

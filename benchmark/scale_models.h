@@ -4,6 +4,8 @@
 
 #include "machine_limits.h"
 
+#include "deformable_surface/model/deformable_model.h"
+
 #include <string>
 #include <vector>
 
@@ -15,6 +17,9 @@ struct CountedStage {
   Index points = 0;
   double operations = 0.0, bytes = 0.0, seconds = 0.0;  // of one pass over all points
 };
+
+/// Operations of a force pass over the membrane of triangles.
+double countTriangleOperations(const model::DeformableModel& model);
 
 /// A table of every model at a hundred to a hundred thousand simulation points, and one of the exponents of their growth. Appends
 /// what is counted.

@@ -2,6 +2,7 @@
 """Draws run time against error, one panel a scene, from the CSV of `scripts/benchmark --accuracy`.
   draw_fronts.py accuracy.csv PICTURE.png"""
 import csv
+import math
 import sys
 
 import matplotlib
@@ -29,6 +30,8 @@ def draw_scene(axes, name, rows):
             axes.scatter(error, float(r["cpu_s"]), s=220 if method == "default" else size,
                          marker="*" if method == "default" else "o", edgecolors=colour,
                          facecolors=colour if is_sound else "none", alpha=0.8)
+            if method == "default" and math.isfinite(float(r["limit_s"])) and is_sound:
+                axes.plot([error / 2.0, error * 2.0], [float(r["limit_s"])] * 2, color="black", linewidth=2.0)
     # What is on the front within the noise of times is marked so in the table; the line is that of the least times.
     front = []
     for error, seconds in sorted((max(float(r["total_rms"]), left), float(r["cpu_s"])) for r in rows if r["front"] == "yes"):
@@ -54,6 +57,7 @@ def main():
     handles = [plt.Line2D([], [], linestyle="", marker="*" if m == "default" else "o", color=COLOURS[m], label=m) for m in used]
     handles.append(plt.Line2D([], [], linestyle="", marker="o", color="grey", markerfacecolor="none", label="not sound"))
     handles.append(plt.Line2D([], [], color="black", linewidth=0.8, label="front"))
+    handles.append(plt.Line2D([], [], color="black", linewidth=2.0, label="limit of arithmetic, default"))
     figure.legend(handles=handles, loc="lower center", ncol=4)
     figure.tight_layout(rect=(0, 0.6 / height, 1, 1))
     figure.savefig(sys.argv[2], dpi=110)
