@@ -15,10 +15,11 @@ constexpr double kSpacing = 0.1;
 
 bool mayAll(Index, Index) { return true; }
 
-std::optional<SheetJoint> join(const TestSurface& surface, const std::function<bool(Index, Index)>& may_join = mayAll) {
+std::optional<SheetJoint> join(const TestSurface& surface, const std::function<bool(Index, Index)>& may_join = mayAll,
+                               double reach = 1.6 * kSpacing, double meeting = 2.0 * kSpacing) {
   std::vector<Index> all;
   for (Index i = 0; i < surface.size(); ++i) all.push_back(i);
-  return joinSheets(surface.positions, orientTo(surface.normals), std::vector<char>(surface.size(), 0), kSpacing, 2.0 * kSpacing,
+  return joinSheets(surface.positions, orientTo(surface.normals), std::vector<char>(surface.size(), 0), kSpacing, reach, meeting,
                     all, may_join);
 }
 
@@ -92,6 +93,34 @@ TEST(SheetJoint, TwoSheetsBecomeOneTubeWithoutAHoleOrAParticleAlone) {
   }
 }
 
+// Sheets that are joined from afar, and whose bonds reach beyond first neighbours.
+TEST(SheetJoint, SheetsFiveSpacingsApartAreJoinedByALongTube) {
+  for (const double side : {1.0, -1.0}) {
+    for (unsigned seed = 1; seed <= 2; ++seed) {
+      const TestSurface sheets = makeSheets(5.0 * kSpacing, 0.0, side, 0.1, seed);
+      const std::optional<SheetJoint> joint = join(sheets, mayAll, 2.6 * kSpacing, 5.2 * kSpacing);
+      ASSERT_TRUE(joint);
+      const TestSurface joined = fill(apply(sheets, *joint));
+      const ParticleTopology found = measure(joined);
+      EXPECT_EQ(found.components, 1);
+      EXPECT_EQ(found.boundary_loops, 2);
+      EXPECT_EQ(found.euler_characteristic, 0);
+      EXPECT_EQ(found.isolated, 0);
+      EXPECT_FALSE(join(joined, mayAll, 2.6 * kSpacing, 5.4 * kSpacing)) << "the same sheets are pressed further";
+    }
+  }
+}
+
+TEST(SheetJoint, FlatSheetsAreJoinedInTheMiddleOfWhatIsPressed) {
+  const TestSurface sheets = makeSheets(1.8 * kSpacing, 0.0, -1.0, 0.1, 1);
+  std::vector<char> is_pressed;
+  for (const Vec3& p : sheets.positions) is_pressed.push_back((p - Vec3(2.0 * kSpacing, 0.0, p.z())).norm() < 3.0 * kSpacing);
+  const std::optional<SheetJoint> joint = join(sheets, [&](Index i, Index j) { return is_pressed[i] && is_pressed[j]; });
+  ASSERT_TRUE(joint);
+  EXPECT_NEAR(joint->middle.x(), 2.0 * kSpacing, 0.3 * kSpacing);
+  EXPECT_NEAR(joint->middle.y(), 0.0, 0.3 * kSpacing);
+}
+
 TEST(SheetJoint, TheTubeFacesItsAxisBetweenBacksAndAwayFromItBetweenFronts) {
   for (const double side : {1.0, -1.0}) {
     const std::optional<SheetJoint> joint = join(makeSheets(1.8 * kSpacing, 0.0, side, 0.0, 1));
@@ -101,7 +130,8 @@ TEST(SheetJoint, TheTubeFacesItsAxisBetweenBacksAndAwayFromItBetweenFronts) {
     EXPECT_NEAR(middle.z(), 0.0, 1e-12);
     for (const NewParticle& particle : joint->tube) {
       const Vec3 offset = middle - particle.position, inwards(offset.x(), offset.y(), 0.0);
-      EXPECT_NEAR(side * inwards.normalized().dot(particle.orientation * Vec3::UnitZ()), std::sqrt(0.75), 1e-12);
+      // Two rings 1.06 spacings apart on a half circle of a radius of one spacing.
+      EXPECT_NEAR(side * inwards.normalized().dot(particle.orientation * Vec3::UnitZ()), std::cos(0.53), 1e-12);
     }
   }
 }

@@ -10,27 +10,26 @@
 
 namespace deformable_surface::model {
 
-/// New particles of a joint.
-constexpr Index kTubeParticles = 14;
-
 struct SheetJoint {
   std::vector<char> is_gone;      // (n): those that were, and those inside the rims
   std::vector<NewParticle> tube;  // parents: remaining particles, the nearest above and below its middle
+  Vec3 middle;                    // m
 };
 
 /// Joins two sheets where they come nearest to each other, of all places where two particles i < j
 ///   - are at most `meeting` apart, and face opposite ways (by 120 degrees or more) along the line between them,
 ///   - may be joined: may_join(i, j),
-///   - and are not within eight steps from neighbour to neighbour of each other: no narrow tube is pinched off.
+///   - and are not within eight steps from neighbour to neighbour of each other, nor any such pair beside them up to a spacing
+///     farther apart: no narrow tube is pinched off, and sheets that stay pressed have one tube.
 /// The sheets are back to back, like dents, or front to front, like a stem that lands. The axis of the tube is the mean of the
-/// normals of such pairs near the nearest one, its middle that of the pairs. The tube is two rings of seven particles a spacing
-/// apart. Its profile is that of a half circle from sheet to sheet, so normals turn by 60 degrees from particle to particle.
+/// normals of all these pairs, its middle that of the pairs. The tube is rings of particles a spacing apart, along a half circle
+/// from sheet to sheet; at its waist it is wider than the reach of bonds.
 ///
-/// positions (n x 3) m; orientations, is_gone (n): those that take no part; spacing, meeting: m, > 0; candidates:
-/// particles that may_join() may accept, ascending. A function of the geometry and the indices alone. O(n log n) if there are
-/// candidates.
+/// positions (n x 3) m; orientations, is_gone (n): those that take no part; spacing, reach (of bonds), meeting: m, > 0;
+/// candidates: particles that may_join() may accept, ascending. A function of the geometry and the indices alone. O(n log n) if
+/// there are candidates.
 std::optional<SheetJoint> joinSheets(const Points& positions, const Orientations& orientations, const std::vector<char>& is_gone,
-                                     double spacing, double meeting, const std::vector<Index>& candidates,
+                                     double spacing, double reach, double meeting, const std::vector<Index>& candidates,
                                      const std::function<bool(Index, Index)>& may_join);
 
 }  // namespace deformable_surface::model

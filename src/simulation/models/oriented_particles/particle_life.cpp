@@ -5,6 +5,7 @@
 #include "deformable_surface/model/oriented_particles/sheet_joint.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -22,6 +23,9 @@ constexpr double kHeap = 1.5;  // times the bonds of a lattice: draped and torn 
 // Spacings: sheets are joined before they are in reach of bonds, which bend them and push them apart. With 0.4 for 0.2 the torus
 // of particles_torus was less round (0.21 in place of 0.17 spacings).
 constexpr double kBeyondBonds = 0.2;
+// In sqrt(D / E h): stiffer sheets are joined from farther away, by a tube that is bent less sharply. Chosen on particles_handle,
+// where this is 5.2 spacings; from the reach of bonds, 2.8, its tube had holes. In particles_torus the reach of bonds is more.
+constexpr double kStiffTube = 4.0;
 constexpr double kFlat = 0.7;  // cosine between a particle's normal and that of a tool
 constexpr Index kLook = 1024;  // particles between two looks at an interrupt
 
@@ -76,7 +80,7 @@ void ParticleLife::remove(double time, bool looks, const std::vector<ToolParams>
   }
   if (looks && scene_.oriented_particles.guide.grid) markMeeting(state);
   std::vector<model::NewParticle> tube;
-  if (looks && mayJoin(state)) tube = join(time, tools, state);
+  if (looks && mayJoin(state)) tube = join(time, tools, state, changes);
   if (std::count(is_gone_.begin(), is_gone_.end(), 1) == 0) return;
   takeOut(is_gone_, state, changes);
   const Index first = state.size();
@@ -93,34 +97,51 @@ bool ParticleLife::mayJoin(const State& state) const {
   const model::OrientedParticlesParams& params = model_.params();
   const bool grows = params.stretching || params.growing != model::Growing::kNone;
   return params.delete_trapped && grows && params.mode == model::ParticleMode::kSpace &&
-         state.size() + model::kTubeParticles <= params.growth.max_particles;
+         state.size() < params.growth.max_particles;
 }
 
-// Two sheets that two solid tools press towards each other.
-std::vector<model::NewParticle> ParticleLife::join(double time, const std::vector<ToolParams>& tools, const State& state) {
+// Two sheets that two tools press towards each other: solid ones, and hands with what they hold.
+std::vector<model::NewParticle> ParticleLife::join(double time, const std::vector<ToolParams>& tools, const State& state,
+                                                   Population& changes) {
   constexpr Index kNone = -1;
-  std::vector<Index> candidates, pressed_by(state.positions.size(), kNone);
+  constexpr int kKinds = 2;  // a hand reaches beyond the sheet that it holds, to the one that it is pressed on
   const double spacing = model_.lattice().spacing;
-  std::vector<double> nearest(state.positions.size(), 0.5 * spacing);  // a disc that overlaps a tool touches it
+  std::vector<Index> candidates;
+  std::vector<std::array<Index, kKinds>> pressed_by(state.positions.size(), {kNone, kNone});
+  // A disc that overlaps a solid tool touches it.
+  std::vector<std::array<double, kKinds>> nearest(state.positions.size(), {0.5 * spacing, 0.0});
   for (std::size_t t = 0; t < tools.size(); ++t) {
-    if (!tool::isActive(tools[t], time) || tools[t].mode != Mode::kSolid) continue;
+    const bool is_hand = tools[t].mode == Mode::kMove;
+    if (!tool::isActive(tools[t], time) || !(is_hand || tools[t].mode == Mode::kSolid)) continue;
     const tool::Pose pose = tool::interpolate(tools[t].path, time);
     for (Index i = 0; i < state.size(); ++i) {
       endIfInterrupted(i, kLook);
       const double distance = distanceTo(tools[t], pose, state.positions[i]);
-      if (!(distance < nearest[i])) continue;
-      nearest[i] = distance;
-      pressed_by[i] = static_cast<Index>(t);
+      if (!(distance < nearest[i][is_hand])) continue;
+      nearest[i][is_hand] = distance;
+      pressed_by[i][is_hand] = static_cast<Index>(t);
     }
   }
   for (Index i = 0; i < state.size(); ++i)
-    if (pressed_by[i] != kNone) candidates.push_back(i);
-  const double meeting = model_.params().cutoff * model_.lattice().pair.distance + kBeyondBonds * spacing;
+    if (pressed_by[i][0] != kNone || pressed_by[i][1] != kNone) candidates.push_back(i);
+  const auto arePressedByTwo = [&](Index i, Index j) {
+    for (const Index a : pressed_by[i])
+      for (const Index b : pressed_by[j])
+        if (a != kNone && b != kNone && a != b) return true;
+    return false;
+  };
+  const model::OrientedParticlesParams& params = model_.params();
+  const double reach = params.cutoff * model_.lattice().pair.distance;
+  const model::MaterialParams& material = scene_.material;
+  const double stiff_length = std::sqrt(material.bendingRigidity() / (material.young_modulus * material.thickness));
+  const double meeting = std::max(reach + kBeyondBonds * spacing, kStiffTube * stiff_length);
   std::optional<model::SheetJoint> joint =
-      model::joinSheets(state.positions, state.orientations, is_gone_, spacing, meeting, candidates,
-                        [&](Index i, Index j) { return pressed_by[i] != pressed_by[j]; });
-  if (!joint) return {};
+      model::joinSheets(state.positions, state.orientations, is_gone_, spacing, reach, meeting, candidates, arePressedByTwo);
+  if (!joint || state.positions.size() + joint->tube.size() > static_cast<std::size_t>(params.growth.max_particles)) return {};
   is_gone_ = std::move(joint->is_gone);
+  changes.notice += std::string(changes.notice.empty() ? "" : "; ") +
+                    "two sheets that tools press towards each other are joined at (" + formatShort(joint->middle.x()) + ", " +
+                    formatShort(joint->middle.y()) + ", " + formatShort(joint->middle.z()) + ")";
   return std::move(joint->tube);
 }
 

@@ -61,7 +61,8 @@ class ParticleLife : public Evolution, public solve::Breaking {
   void heat(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) const;
   void remove(double time, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state, Population& changes);
   bool mayJoin(const model::State& state) const;
-  std::vector<model::NewParticle> join(double time, const std::vector<tool::ToolParams>& tools, const model::State& state);
+  std::vector<model::NewParticle> join(double time, const std::vector<tool::ToolParams>& tools, const model::State& state,
+                                       Population& changes);
   void markMeeting(const model::State& state) const;
   void append(const model::NewParticle& particle, model::State& state) const;
   void followBirths(const model::State& state, Index first, const std::vector<model::NewParticle>& born);
