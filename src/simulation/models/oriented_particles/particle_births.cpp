@@ -2,6 +2,7 @@
 #include "particle_life.h"
 
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
 
@@ -153,9 +154,9 @@ void ParticleLife::grow(State& state, Population& changes) {
   if (newborn.empty()) return;
   if (const Index debris = countDebris(state); debris > kMostDebris) {
     if (!std::exchange(has_reported_debris_, true))
-      changes.notice +=
-          std::string(changes.notice.empty() ? "" : "; ") + "growth is out of control and pauses: " + std::to_string(debris) +
-          " pieces of new particles have come off the surface; it goes on at " + std::to_string(kMostDebris) + " or fewer";
+      appendNotice(changes.notice, "growth is out of control and pauses: " + std::to_string(debris) +
+                                       " pieces of new particles have come off the surface; it goes on at " +
+                                       std::to_string(kMostDebris) + " or fewer");
     return;
   }
   const Index first = state.size();
@@ -164,8 +165,8 @@ void ParticleLife::grow(State& state, Population& changes) {
   changes.born += static_cast<Index>(newborn.size());
   followBirths(state, first, newborn);
   if (state.size() >= growth.max_particles)
-    changes.notice += std::string(changes.notice.empty() ? "" : "; ") +
-                      "growth has reached oriented_particles.growth.max_particles, " + std::to_string(growth.max_particles);
+    appendNotice(changes.notice,
+                 "growth has reached oriented_particles.growth.max_particles, " + std::to_string(growth.max_particles));
 }
 
 }  // namespace deformable_surface::simulation

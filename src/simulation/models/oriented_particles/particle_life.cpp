@@ -1,6 +1,7 @@
 #include "particle_life.h"
 
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/model/oriented_particles/sheet_joint.h"
 
@@ -139,9 +140,8 @@ std::vector<model::NewParticle> ParticleLife::join(double time, const std::vecto
       model::joinSheets(state.positions, state.orientations, is_gone_, spacing, reach, meeting, candidates, arePressedByTwo);
   if (!joint || state.positions.size() + joint->tube.size() > static_cast<std::size_t>(params.growth.max_particles)) return {};
   is_gone_ = std::move(joint->is_gone);
-  changes.notice += std::string(changes.notice.empty() ? "" : "; ") +
-                    "two sheets that tools press towards each other are joined at (" + formatShort(joint->middle.x()) + ", " +
-                    formatShort(joint->middle.y()) + ", " + formatShort(joint->middle.z()) + ")";
+  appendNotice(changes.notice, "two sheets that tools press towards each other are joined at (" + formatShort(joint->middle.x()) +
+                                   ", " + formatShort(joint->middle.y()) + ", " + formatShort(joint->middle.z()) + ") m");
   return std::move(joint->tube);
 }
 
