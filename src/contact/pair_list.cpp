@@ -191,7 +191,9 @@ void PairList::update(const Points& positions, const Reach& reach, const Cover* 
 
   if (at_ != positions) is_enclosed_.clear();
   if (open_.size() < couples_.size()) patches_.measureWays(at_, positions, ways_);
-  for (Couple& couple : couples_) couple.used += ways_[couple.one].findRelative(ways_[couple.other]);
+  parallelFor(static_cast<Index>(couples_.size()), kCouplesAtOnce, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) couples_[k].used += ways_[couples_[k].one].findRelative(ways_[couples_[k].other]);
+  });
   apart_ -= gone;
   at_ = positions;
   ways_.assign(ways_.size(), {Vec3::Zero(), Vec3::Zero()});
@@ -223,13 +225,13 @@ void PairList::findOpen(const Cover* cover) {
   revision_ = revision;
   nearest_ = -1.0;
   open_.clear();
+  parallelAppend(static_cast<Index>(couples_.size()), kCouplesAtOnce, open_, open_parts_,
+                 [&](Index begin, Index end, auto& open) {
+                   for (Index k = begin; k < end; ++k)
+                     if (!cover || !cover->holds(couples_[k].one, couples_[k].other)) open.push_back(k);
+                 });
   is_open_.assign(patches_.size(), 0);
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const Couple& couple = couples_[k];
-    if (cover && cover->holds(couple.one, couple.other)) continue;
-    open_.push_back(static_cast<Index>(k));
-    is_open_[couple.one] = is_open_[couple.other] = 1;
-  }
+  for (const Index open : open_) is_open_[couples_[open].one] = is_open_[couples_[open].other] = 1;
   open_patches_.clear();
   for (Index p = 0; p < patches_.size(); ++p)
     if (is_open_[p] != 0) open_patches_.push_back(p);
@@ -238,12 +240,15 @@ void PairList::findOpen(const Cover* cover) {
 // Determines how far the couples have moved, how near their pairs must be to be listed, and which lists may lack some.
 void PairList::markExpired(const Reach& reach) {
   expired_.clear();
-  for (const Index open : open_) {
-    Couple& couple = couples_[open];
-    couple.gone = couple.used + ways_[couple.one].findRelative(ways_[couple.other]);
-    couple.reach = reach.of(next_ways_[couple.one].findRelative(next_ways_[couple.other]));
-    if (!(couple.radius - couple.gone >= couple.reach)) expired_.push_back(&couple);
-  }
+  parallelAppend(static_cast<Index>(open_.size()), kCouplesAtOnce, expired_, expired_parts_,
+                 [&](Index begin, Index end, auto& expired) {
+                   for (Index k = begin; k < end; ++k) {
+                     Couple& couple = couples_[open_[k]];
+                     couple.gone = couple.used + ways_[couple.one].findRelative(ways_[couple.other]);
+                     couple.reach = reach.of(next_ways_[couple.one].findRelative(next_ways_[couple.other]));
+                     if (!(couple.radius - couple.gone >= couple.reach)) expired.push_back(&couple);
+                   }
+                 });
 }
 
 // The bounds of the distances become loose while the surface moves. Where many pairs are within reach, new ones cost less.

@@ -54,10 +54,10 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
   const bool is_near = reach <= clearance_.distance();
   if (!is_near || !clearance_.isApartAt(positions)) {
     list_.update(positions, reach, is_near ? clearance_.partsApart(positions) : nullptr);
-    list_.visitNear([&](const Pair& pair, double) {
+    list_.collectNear(near_, near_parts_, [&](const Pair& pair, double, std::vector<Near>& near) {
       const Closest closest = findClosest(pair, positions);
       const double squared = closest.squaredDistance();
-      if (squared < reach * reach) near_.push_back({pair, closest, std::sqrt(squared), weigh(pair, positions)});
+      if (squared < reach * reach) near.push_back({pair, closest, std::sqrt(squared), weigh(pair, positions)});
     });
   }
   measured_at_ = positions;
@@ -108,14 +108,12 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
   const Cover* const apart = clearance_.partsApart(positions);
   const bool has_come_near = may_touch_;
   may_touch_ = false;
-  const auto visit = [&](const Pair& pair, double = 0.0) {
-    may_touch_ = may_touch_ || comesNear(pair, positions, velocities, time, reach.most);
-  };
+  const auto test = [&](const Pair& pair, double = 0.0) { return comesNear(pair, positions, velocities, time, reach.most); };
   // Where some came near in the last step, one of the known pairs mostly does. Lists of all within the reach are long.
-  if (has_come_near) list_.visitKnown(apart, visit);
+  if (has_come_near) list_.visitKnown(apart, [&](const Pair& pair) { may_touch_ = may_touch_ || test(pair); });
   if (may_touch_) return true;
   list_.update(positions, motion_, reach, apart);
-  list_.visitNear(visit);
+  may_touch_ = list_.isAnyNear(test);
   return may_touch_;
 }
 

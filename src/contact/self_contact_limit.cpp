@@ -25,6 +25,7 @@ constexpr double kOutrun = 32.0;     // of the usual reach, ten edges or so: bey
 // Neither number was tried otherwise.
 constexpr double kSlow = 1.0 / 64.0;
 constexpr int kRaises = 3;
+constexpr Index kBlock = 256;  // pairs per task: some microseconds
 
 }  // namespace
 
@@ -75,14 +76,17 @@ SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& 
 void SelfContact::findAllApproaches(const Points& before, double longest) {
   const double reach = kLeast * list_.thickness() + 2.0 / kOfRoom * longest;
   approaches_.clear();
-  for (const Near& near : measure(before, reach))
-    if (near.distance < reach && near.distance > 0.0) approaches_.push_back(makeApproach(near, before));
+  const std::vector<Near>& all = measure(before, reach);
+  parallelAppend(static_cast<Index>(all.size()), kBlock, approaches_, approach_parts_, [&](Index begin, Index end, auto& list) {
+    for (Index k = begin; k < end; ++k)
+      if (all[k].distance < reach && all[k].distance > 0.0) list.push_back(makeApproach(all[k], before));
+  });
 }
 
 void SelfContact::findApproaches(const Points& before) {
   approaches_.clear();
   list_.update(before, allowed_, {kLeast * list_.thickness(), 1.0 / kOfRoom});
-  list_.visitNear([&](const Pair& pair, double least) {
+  list_.collectNear(approaches_, approach_parts_, [&](const Pair& pair, double least, std::vector<Approach>& list) {
     double first = 0.0, second = 0.0;
     for (int v = 0; v < 4; ++v) {
       double& farthest = v < pair.numFirst() ? first : second;
@@ -92,7 +96,7 @@ void SelfContact::findApproaches(const Points& before) {
     if (!(least < reach)) return;
     const Closest closest = findClosest(pair, before);
     const double distance = std::sqrt(closest.squaredDistance());
-    if (distance < reach && distance > 0.0) approaches_.push_back(makeApproach({pair, closest, distance}, before));
+    if (distance < reach && distance > 0.0) list.push_back(makeApproach({pair, closest, distance}, before));
   });
 }
 
@@ -110,27 +114,17 @@ bool SelfContact::allowMore(double longest) {
 // A plane across the gap separates two convex primitives. Take the point of the first that moves farthest towards the second, and
 // the point of the second that moves farthest towards the first. If both together use less than the gap, a moving plane between
 // them remains a separating plane. Common motion does not count.
-SelfContact::Worst SelfContact::findWorst(const Approach& approach) const {
-  Worst worst{-1, -1, -approach.room};
-  double first = 0.0, second = 0.0;
+double SelfContact::findExcess(const Approach& approach, const std::array<Vec3, 4>& ways) {
+  const double least = std::numeric_limits<double>::lowest();
+  double first = least, second = least;
   for (int v = 0; v < 4; ++v) {
-    const double along = approach.normal.dot(ways_[approach.vertices[v]]);
-    if (v < approach.num_first) {
-      const double nearing = -along - approach.behind[v];
-      if (worst.first < 0 || nearing > first) {
-        worst.first = approach.vertices[v];
-        first = nearing;
-      }
-    } else {
-      const double nearing = along - approach.behind[v];
-      if (worst.second < 0 || nearing > second) {
-        worst.second = approach.vertices[v];
-        second = nearing;
-      }
-    }
+    const double along = approach.normal.dot(ways[v]);
+    if (v < approach.num_first)
+      first = std::max(first, -along - approach.behind[v]);
+    else
+      second = std::max(second, along - approach.behind[v]);
   }
-  worst.excess += first + second;
-  return worst;
+  return -approach.room + (first + second);
 }
 
 // Exchanges momentum between the points of pairs that would use more than their room, one pair after the other, until none does.
@@ -205,8 +199,16 @@ void SelfContact::stopTogether() {
   bool has_zones = false;
   for (bool is_done = false; !is_done;) {
     is_done = true;
-    for (const Approach& approach : approaches_) {
-      if (!(findWorst(approach).excess > kRounding)) continue;
+    is_stopped_.resize(approaches_.size());
+    parallelFor(static_cast<Index>(approaches_.size()), kBlock, [&](Index begin, Index end) {
+      for (Index k = begin; k < end; ++k) {
+        const auto& [a, b, c, d] = approaches_[k].vertices;
+        is_stopped_[k] = findExcess(approaches_[k], {ways_[a], ways_[b], ways_[c], ways_[d]}) > kRounding;
+      }
+    });
+    for (std::size_t k = 0; k < approaches_.size(); ++k) {
+      if (is_stopped_[k] == 0) continue;
+      const Approach& approach = approaches_[k];
       if (!has_zones) makeSingleSets(n, zone_);
       has_zones = true;
       for (const Index v : approach.vertices)
@@ -253,24 +255,20 @@ bool SelfContact::mustStop(const Points& before, const Points& after, bool conti
   const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
   if (staysUncrossed(before, after, continues)) return false;
   list_.update(before, after, reach, clearance_.partsUncrossed(before, after));
-  ways_.resize(before.size());
-  bool must_stop = false;
-  list_.visitNear([&](const Pair& pair, double least) {
-    if (must_stop) return;
-    for (const Index v : pair.vertices) ways_[v] = after[v] - before[v];
+  return list_.isAnyNear([&](const Pair& pair, double least) {
+    std::array<Vec3, 4> ways;
+    for (int v = 0; v < 4; ++v) ways[v] = after[pair.vertices[v]] - before[pair.vertices[v]];
     double nearing = 0.0;  // squared, at most
     for (int v = 0; v < pair.numFirst(); ++v)
-      for (int w = pair.numFirst(); w < 4; ++w)
-        nearing = std::max(nearing, (ways_[pair.vertices[v]] - ways_[pair.vertices[w]]).squaredNorm());
+      for (int w = pair.numFirst(); w < 4; ++w) nearing = std::max(nearing, (ways[v] - ways[w]).squaredNorm());
     nearing = std::sqrt(nearing);
     const auto isRoomFor = [&](double distance) { return kOfRoom * (distance - kLeast * pair.thickness) > nearing; };
-    if (isRoomFor(least)) return;
+    if (isRoomFor(least)) return false;
     const Closest closest = findClosest(pair, before);
     const Near near{pair, closest, std::sqrt(closest.squaredDistance())};
-    if (!(near.distance > 0.0) || isRoomFor(near.distance)) return;
-    must_stop = findWorst(makeApproach(near, before)).excess > 0.0;
+    if (!(near.distance > 0.0) || isRoomFor(near.distance)) return false;
+    return findExcess(makeApproach(near, before), ways) > 0.0;
   });
-  return must_stop;
 }
 
 const std::vector<Index>& SelfContact::limit(const Points& before, Points& after, bool continues) {

@@ -1,6 +1,7 @@
 // The pairs of primitives of a surface that may touch and share no vertex: vertex and triangle, edge and edge.
 #pragma once
 
+#include "deformable_surface/base/parallel_append.h"
 #include "deformable_surface/contact/box_tree.h"
 #include "deformable_surface/contact/closest_points.h"
 #include "deformable_surface/contact/cover.h"
@@ -9,6 +10,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -79,17 +82,32 @@ class PairList {
   /// bound of their distance there. The order does not depend on when the lists were built.
   template <class Visit>
   void visitNear(const Visit& visit) {
+    if (!are_far_) num_visits_ += visitNear(0, static_cast<Index>(open_.size()), visit);
+  }
+  /// Calls visit(pair, least, list) for the same pairs, by all threads, and appends to `to` what it appends to the list. In the
+  /// order of visitNear().
+  template <class Item, class Visit>
+  void collectNear(std::vector<Item>& to, AppendedParts<Item>& parts, const Visit& visit) {
     if (are_far_) return;
-    for (const Index open : open_) {
-      const Couple& couple = couples_[open];
-      if (couple.nearest - couple.gone >= couple.reach) continue;
-      for (const Listed& listed : couple.listed) {
-        const double least = listed.distance - couple.gone;
-        if (!(least < couple.reach)) continue;
-        ++num_visits_;
-        visit(listed.pair, least);
-      }
-    }
+    std::atomic<std::size_t> num_visits{0};
+    parallelAppend(static_cast<Index>(open_.size()), kCouplesAtOnce, to, parts, [&](Index begin, Index end, auto& list) {
+      num_visits += visitNear(begin, end, [&](const Pair& pair, double least) { visit(pair, least, list); });
+    });
+    num_visits_ += num_visits;
+  }
+  /// Whether test(pair, least) holds for any of these pairs, by all threads.
+  template <class Test>
+  bool isAnyNear(const Test& test) {
+    if (are_far_) return false;
+    std::atomic<bool> is_any{false};
+    std::atomic<std::size_t> num_visits{0};
+    parallelFor(static_cast<Index>(open_.size()), kCouplesAtOnce, [&](Index begin, Index end) {
+      num_visits += visitNear(begin, end, [&](const Pair& pair, double least) {
+        if (!is_any && test(pair, least)) is_any = true;
+      });
+    });
+    num_visits_ += num_visits;
+    return is_any;
   }
   /// Calls visit(pair) for pairs that were near at some time, without a search; not for those that the cover holds. Any may be
   /// missing.
@@ -118,7 +136,8 @@ class PairList {
   Index numSearches() const { return num_searches_; }
 
  private:
-  static constexpr double kUsualReach = 0.5;  // the remainder is the allowed motion until the next search
+  static constexpr Index kCouplesAtOnce = 128;  // a task: some microseconds if nothing is near
+  static constexpr double kUsualReach = 0.5;    // the remainder is the allowed motion until the next search
 
   struct Listed {
     Pair pair;
@@ -140,6 +159,22 @@ class PairList {
     Primitives vertices{1}, edges{2}, triangles{3};
   };
 
+  /// Of open couples. Returns the number of visits.
+  template <class Visit>
+  std::size_t visitNear(Index begin, Index end, const Visit& visit) const {
+    std::size_t num_visits = 0;
+    for (Index k = begin; k < end; ++k) {
+      const Couple& couple = couples_[open_[k]];
+      if (couple.nearest - couple.gone >= couple.reach) continue;
+      for (const Listed& listed : couple.listed) {
+        const double least = listed.distance - couple.gone;
+        if (!(least < couple.reach)) continue;
+        ++num_visits;
+        visit(listed.pair, least);
+      }
+    }
+    return num_visits;
+  }
   /// Whether a vertex of each primitive are one of the couples, which are ascending, the lower vertex first.
   static bool isAnyIn(const std::vector<std::array<Index, 2>>& couples, const Pair& pair);
   /// measureWays(): sets next_ways_ of the open patches. largest: m, a bound of the relative ways of all patches.
@@ -184,6 +219,8 @@ class PairList {
   std::vector<Index> near_patches_;  // scratch
   double apart_ = -1.0;              // m: patches that are no couple are farther apart
   std::vector<Couple*> expired_;     // to be searched
+  AppendedParts<Index> open_parts_;  // scratch
+  AppendedParts<Couple*> expired_parts_;
   std::vector<Index> patches_of_expired_;
   std::vector<Parts> parts_;       // (patches), of the patches of expired couples
   std::vector<char> is_enclosed_;  // (patches): these are of at_

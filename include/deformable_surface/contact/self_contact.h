@@ -158,11 +158,6 @@ class SelfContact {
       return num_first != other.num_first ? num_first < other.num_first : vertices < other.vertices;
     }
   };
-  // The point of each primitive that moves farthest towards the other one.
-  struct Worst {
-    Index first, second;
-    double excess;  // m, approach beyond the room; positive: the pair must be stopped
-  };
 
   /// Relative tangential displacement of the parts of a touching pair.
   struct Rub {
@@ -211,7 +206,8 @@ class SelfContact {
   void findApproaches(const Points& before);
   /// Raises allowed_ where points move farther, to twice their way, but at most to longest, m. Returns whether any did.
   bool allowMore(double longest);
-  Worst findWorst(const Approach& approach) const;
+  /// m, by which the pair approaches beyond its room on ways (m) of its vertices; positive: it must be stopped.
+  static double findExcess(const Approach& approach, const std::array<Vec3, 4>& ways);
   /// settled: m, smaller changes are no reason for another pass.
   void collide(double settled);
   /// Of one pair. Returns whether it would have used more than its room, or much less than it was pushed for.
@@ -236,10 +232,13 @@ class SelfContact {
   Points measured_at_;
   double measured_reach_ = 0.0;
   std::vector<Near> near_;
+  AppendedParts<Near> near_parts_;
   Points ways_, free_ways_;       // m, without the common motion; before collisions
   std::vector<double> allowed_;   // m, for which approaches_ are complete; empty: as far as the farthest moves
   std::vector<double> mobility_;  // 1/kg, zero for fixed points
   std::vector<Approach> approaches_;
+  AppendedParts<Approach> approach_parts_;
+  std::vector<char> is_stopped_;  // (approaches)
   std::vector<Approach*> pushing_;
   std::vector<Exchange> exchanges_, last_exchanges_;  // of these collisions and those before, in order
   Points zone_motion_;                                // kg m
