@@ -24,7 +24,7 @@ void Stepper::handleChoice() {
   if (!is_as_built_ || simulation_->wasCommanded() || !snapshots_.all().empty()) {
     warnings_.report(
         Warning::kNotice,
-        "~reset begins with what trials chose; the surface has had commands or snapshots, and goes on without: " + chosen);
+        "the surface goes on as it is, since it has had commands or snapshots; ~reset begins with what trials chose: " + chosen);
     return;
   }
   ROS_INFO_STREAM(warnings_.name() << ": the surface begins anew with what trials chose: " << chosen);
