@@ -29,12 +29,8 @@ constexpr Index kCautious = 100;
 constexpr double kForget = 0.1;
 // Of the recent dissipation: energy from outer steps above it means resonance; a smooth swing shows 0.007.
 constexpr double kHeated = 0.1;
-constexpr Index kResonant = 1000;  // steps before outer steps are tried again
-constexpr Index kMostInner = 8;    // bold sub-steps in which slow forces act once: the others cost the most by then
-// The same where forces dissipate by an unknown amount, as friction does, so that energy from resonances cannot be told in every
-// step. Sheets that drape over a ball (docs/decisions/0001) then have the energy that they have with slow forces in every
-// sub-step, and more with eight.
-constexpr Index kMostInnerOfUntold = 4;
+constexpr Index kResonant = 1000;   // steps before outer steps are tried again
+constexpr Index kMostInner = 8;     // bold sub-steps in which slow forces act once: the others cost the most by then
 constexpr double kSlowShare = 0.5;  // of the step of other forces: the energy then oscillates little more
 constexpr Index kPortion = 32;      // sub-steps between two looks at the stable step: the look then costs a few per cent
 // Parts of an implicit step in which something breaks: others must bear its share, or no longer, before they break, too. In
@@ -358,8 +354,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   // Bold sub-steps, and outer steps for slow forces, as long as they keep the energy.
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
   const bool bold = memory_.cautious == 0 && has_substeps;
-  const Index most_inner = system_.dissipatesInForces() ? kMostInnerOfUntold : kMostInner;
-  most_inner_ = bold && memory_.cautious_slow == 0 ? most_inner : 1;
+  // Where forces dissipate by an unknown amount, as friction does, the account of energy does not show resonances.
+  most_inner_ = bold && memory_.cautious_slow == 0 && !system_.dissipatesInForces() ? kMostInner : 1;
   report = advance(time, bold ? kBold : 1.0, state);
   bool sound = isSound(time, report, state);
   if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {

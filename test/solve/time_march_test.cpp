@@ -149,6 +149,22 @@ TEST(TimeMarch, SlowForcesActInOuterStepsUnderDampingByMassToo) {
   EXPECT_EQ(m.model.slow_evaluations, 3);
 }
 
+// A force whose work is not known, as of friction. It would hide what resonances make.
+class Rubbing : public solve::ExternalLoad {
+ public:
+  void addForces(double, const State&, Points&) const override {}
+  double estimateWork(double, double, const State&, const State&) const override { return 0.0; }
+};
+
+TEST(TimeMarch, SlowForcesActInEverySubstepBesideForcesThatDissipate) {
+  March m(1.0);
+  const Rubbing rubbing;
+  m.loads.push_back(&rubbing);
+  m.model.change(0.001);
+  const Index substeps = m.countSubsteps();
+  EXPECT_GE(m.model.slow_evaluations, static_cast<int>(substeps));
+}
+
 TEST(TimeMarch, SlowForcesActInEverySubstepWhereTheSurfaceSettlesSoThatItReachesItsBalance) {
   March m(400.0, 40.0);
   const ConstantField gravity(m.model.masses(), Vec3(0.0, 0.0, -9.81));
