@@ -56,8 +56,8 @@ DEFORMABLE_SURFACE_WIDE void boundAside(Index size, const double* x, const doubl
   *undefined += lost[0] + lost[1] + lost[2] + lost[3];
 }
 
-bool isWithin(const Points& positions, const Points* velocities, double time, const ClearMotion& motion, double share,
-              double tolerance) {
+// By axis, m: how far the coordinates range beside the prediction. Infinite if any is undefined.
+Vec3 findRange(const Points& positions, const Points* velocities, double time, const ClearMotion& motion, double share) {
   const Index size = 3 * static_cast<Index>(positions.size()), whole = size - size % kLanes;
   const double *x = positions.data()->data(), *v = velocities ? velocities->data()->data() : nullptr,
                *from = motion.from.data()->data(), *way = motion.way.data()->data();
@@ -83,15 +83,21 @@ bool isWithin(const Points& positions, const Points* velocities, double time, co
     range.largest[i - whole] = std::max(range.largest[i - whole], aside);
     range.undefined += aside - aside;
   }
-  if (range.undefined != 0.0) return false;
+  if (range.undefined != 0.0) return Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 by_axis;
   for (Index axis = 0; axis < 3; ++axis) {
     for (Index k = axis + 3; k < kLanes; k += 3) {
       range.least[axis] = std::min(range.least[axis], range.least[k]);
       range.largest[axis] = std::max(range.largest[axis], range.largest[k]);
     }
-    if (range.largest[axis] - range.least[axis] > 2.0 * tolerance) return false;
+    by_axis[axis] = range.largest[axis] - range.least[axis];
   }
-  return true;
+  return by_axis;
+}
+
+bool isWithin(const Points& positions, const Points* velocities, double time, const ClearMotion& motion, double share,
+              double tolerance) {
+  return (findRange(positions, velocities, time, motion, share).array() <= 2.0 * tolerance).all();
 }
 
 }  // namespace
@@ -113,6 +119,10 @@ double ClearMotion::shareAt(const Vec3& of_leader) const {
 
 bool ClearMotion::isNear(const Points& positions, double tolerance) const {
   return isWithin(positions, nullptr, 0.0, *this, shareAt(positions[leader]), tolerance);
+}
+
+double ClearMotion::boundAside(const Points& positions) const {
+  return findRange(positions, nullptr, 0.0, *this, shareAt(positions[leader])).norm();
 }
 
 bool ClearMotion::isNear(const Points& positions, const Points& velocities, double time, double tolerance) const {

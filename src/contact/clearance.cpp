@@ -57,15 +57,14 @@ bool Clearance::prove(const Points& positions, const Points& velocities, double 
   return proven_ != nullptr;
 }
 
-bool Clearance::proveParts(const Points& positions, const Points& velocities, double time, Aim aim) {
+bool Clearance::proveParts(const Points& positions, const Points& velocities, double time) {
   forgetParts();
   if (!patches_) return false;
   if (!atlas_) atlas_.emplace(rest_, triangles_, *patches_, distance_);
   ClearMotion& motion = parts_.motion;
   motion.predict(positions, velocities, time);
-  parts_.uncrossed.clear(patches_->size());
   parts_.apart.clear(patches_->size());
-  double uncrossed = std::numeric_limits<double>::infinity(), apart = uncrossed;
+  double apart = std::numeric_limits<double>::infinity();
   has_failed_.resize(atlas_->size(), 0);
   for (Index k = 0; k < atlas_->size();) {
     if (has_failed_[k] != 0) {
@@ -73,34 +72,19 @@ bool Clearance::proveParts(const Points& positions, const Points& velocities, do
       continue;
     }
     const Chart& chart = atlas_->chart(k);
-    const Chart::Room room = chart.isEmpty() ? Chart::Room{-1.0, -1.0} : chart.findRoom(positions, motion.way, scratch_);
-    const double least = kLeastInParts * chart.edge();
-    const bool is_uncrossed = room.uncrossed > least, is_apart = room.apart > least;
-    if (is_uncrossed) {
-      parts_.uncrossed.add(atlas_->patchesIn(k), k);
-      uncrossed = std::min(uncrossed, room.uncrossed);
-    }
+    const double room = chart.isEmpty() ? -1.0 : chart.findRoom(positions, motion.way, scratch_).apart;
+    const bool is_apart = room > kLeastInParts * chart.edge();
     if (is_apart) {
       parts_.apart.add(atlas_->patchesIn(k), k);
-      apart = std::min(apart, room.apart);
+      apart = std::min(apart, room);
     }
-    const bool has_succeeded = aim == Aim::kApart ? is_apart : is_uncrossed;
-    has_failed_[k] = !has_succeeded;
-    k = has_succeeded ? atlas_->behind(k) : k + 1;
+    has_failed_[k] = !is_apart;
+    k = is_apart ? atlas_->behind(k) : k + 1;
   }
-  parts_.uncrossed.end();
   parts_.apart.end();
-  if (parts_.uncrossed.isEmpty() || !motion.isNear(positions, ofCoordinate(uncrossed))) return false;
-  motion.tolerance = ofCoordinate(uncrossed);
-  motion.apart_tolerance = parts_.apart.isEmpty() ? -1.0 : ofCoordinate(apart);
-  return aim == Aim::kUncrossed || motion.apart_tolerance > 0.0;
-}
-
-const Cover* Clearance::partsUncrossed(const Points& before, const Points& after) const {
-  const ClearMotion& motion = parts_.motion;
-  const bool is_proven =
-      motion.tolerance > 0.0 && motion.isNear(before, motion.tolerance) && motion.isNear(after, motion.tolerance);
-  return is_proven ? &parts_.uncrossed : nullptr;
+  if (parts_.apart.isEmpty() || !motion.isNear(positions, ofCoordinate(apart))) return false;
+  motion.apart_tolerance = ofCoordinate(apart);
+  return true;
 }
 
 const Cover* Clearance::partsApart(const Points& positions) const {

@@ -189,7 +189,10 @@ void PairList::update(const Points& positions, const Reach& reach, const Cover* 
   markExpired(reach);
   if (are_all_coupled && expired_.empty() && !are_worn) return rememberNearest(positions, apart_ - gone);
 
-  if (at_ != positions) is_enclosed_.clear();
+  if (at_ != positions) {
+    is_enclosed_.clear();
+    has_box_.clear();
+  }
   if (open_.size() < couples_.size()) patches_.measureWays(at_, positions, ways_);
   parallelFor(static_cast<Index>(couples_.size()), kCouplesAtOnce, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) couples_[k].used += ways_[couples_[k].one].findRelative(ways_[couples_[k].other]);
@@ -296,13 +299,23 @@ void PairList::findCouples(const Points& positions, double reach) {
   }
 }
 
+// Most expired couples are still far apart: their boxes show it, which cost less than to enclose the parts of patches.
 void PairList::searchExpired(const Points& positions) {
   num_searches_ += static_cast<Index>(expired_.size());
-  patches_of_expired_.clear();
-  is_enclosed_.resize(patches_.size(), 0);
-  for (const Couple* couple : expired_)
-    for (const Index patch : {couple->one, couple->other})
-      if (std::exchange(is_enclosed_[patch], 1) == 0) patches_of_expired_.push_back(patch);
+  const auto listPatches = [&](std::vector<char>& has_it) {
+    patches_of_expired_.clear();
+    has_it.resize(patches_.size(), 0);
+    for (const Couple* couple : expired_)
+      for (const Index patch : {couple->one, couple->other})
+        if (std::exchange(has_it[patch], 1) == 0) patches_of_expired_.push_back(patch);
+  };
+  listPatches(has_box_);
+  parallelFor(static_cast<Index>(patches_of_expired_.size()), kBlock, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) boxes_[patches_of_expired_[k]] = patches_.boundOf(patches_of_expired_[k], positions);
+  });
+  expired_.erase(std::remove_if(expired_.begin(), expired_.end(), [&](Couple* couple) { return areBoxesApart(*couple); }),
+                 expired_.end());
+  listPatches(is_enclosed_);
   parallelFor(static_cast<Index>(patches_of_expired_.size()), kBlock, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) enclose(patches_of_expired_[k], positions);
   });
@@ -311,9 +324,19 @@ void PairList::searchExpired(const Points& positions) {
   });
 }
 
+// Begins the couple's list anew, empty. Where the boxes are apart, that is all.
+bool PairList::areBoxesApart(Couple& couple) const {
+  couple.radius = couple.nearest = std::max(usual_radius_, kSpare * couple.reach);
+  couple.used = couple.gone = 0.0;
+  couple.listed.clear();
+  const double gap = boxes_[couple.one].exteriorDistance(boxes_[couple.other]);
+  if (!(gap >= couple.radius)) return false;
+  couple.radius = couple.nearest = gap;
+  return true;
+}
+
 void PairList::enclose(Index patch, const Points& positions) {
   auto& [vertices, edges, triangles] = parts_[patch];
-  boxes_[patch] = patches_.boundOf(patch, positions);
   vertices.clear();
   edges.clear();
   triangles.clear();
@@ -331,15 +354,7 @@ void PairList::enclose(Index patch, const Points& positions) {
 }
 
 void PairList::search(const Points& positions, Couple& couple) const {
-  couple.radius = std::max(usual_radius_, kSpare * couple.reach);
-  couple.used = couple.gone = 0.0;
-  couple.listed.clear();
   const Parts &one = parts_[couple.one], &other = parts_[couple.other];
-  const double gap = boxes_[couple.one].exteriorDistance(boxes_[couple.other]);
-  if (gap >= couple.radius) {
-    couple.radius = couple.nearest = gap;
-    return;
-  }
   const Box near_one = grow(boxes_[couple.one], couple.radius), near_other = grow(boxes_[couple.other], couple.radius);
   static thread_local Primitives::Scratch scratch;
   const auto offerTriangle = [&](Index v, Index t) {
@@ -355,18 +370,21 @@ void PairList::search(const Points& positions, Couple& couple) const {
   if (couple.one != couple.other)
     other.vertices.visitNear(near_other, one.triangles, near_one, couple.radius, scratch, offerTriangle);
   one.edges.visitNear(near_one, other.edges, near_other, couple.radius, scratch, offerEdges);
-  couple.nearest = couple.radius;
   for (const Listed& listed : couple.listed) couple.nearest = std::min(couple.nearest, listed.distance);
 }
 
 void PairList::offer(const Points& positions, Pair pair, Couple& couple) const {
   const double squared = findClosest(pair, positions).squaredDistance();
   if (!(squared < couple.radius * couple.radius) || (!crossed_.empty() && isAnyIn(crossed_, pair))) return;
-  const double at_rest = std::sqrt(findClosest(pair, rest_).squaredDistance());
-  const bool was_crossed = !at_rest_.empty() && isAnyIn(at_rest_, pair);
-  pair.thickness = was_crossed ? thickness_ : std::min(thickness_, kOfRest * at_rest);
-  if (kOfRestJoined * at_rest < thickness_ && isAnyIn(edges_, pair)) pair.thickness = kOfRestJoined * at_rest;
+  pair.thickness = thicknessOf(pair);
   if (pair.thickness > 0.0) couple.listed.push_back({pair, std::sqrt(squared)});
+}
+
+double PairList::thicknessOf(const Pair& pair) const {
+  const double at_rest = std::sqrt(findClosest(pair, rest_).squaredDistance());
+  if (kOfRestJoined * at_rest < thickness_ && isAnyIn(edges_, pair)) return kOfRestJoined * at_rest;
+  const bool was_crossed = !at_rest_.empty() && isAnyIn(at_rest_, pair);
+  return was_crossed ? thickness_ : std::min(thickness_, kOfRest * at_rest);
 }
 
 }  // namespace deformable_surface::contact

@@ -38,6 +38,7 @@ void SelfContact::forgetNear() {
   near_.clear();
   measured_at_.clear();
   measured_reach_ = 0.0;
+  watch_.forget();
 }
 
 bool SelfContact::findCrossed(const Points& positions) {
@@ -53,13 +54,19 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
   near_.clear();
   const bool is_near = reach <= clearance_.distance();
   if (!is_near || !clearance_.isApartAt(positions)) {
-    list_.update(positions, reach, is_near ? clearance_.partsApart(positions) : nullptr);
-    list_.collectNear(near_, near_parts_, [&](const Pair& pair, double, std::vector<Near>& near) {
+    const auto add = [&](const Pair& pair, double, std::vector<Near>& near) {
       const Closest closest = findClosest(pair, positions);
       const double squared = closest.squaredDistance();
       if (squared < reach * reach) near.push_back({pair, closest, std::sqrt(squared), weigh(pair, positions)});
-    });
+    };
+    if (watch_.ensure(positions, reach)) {
+      watch_.collectNear(reach, near_, near_parts_, add);
+    } else {
+      list_.update(positions, reach, is_near ? clearance_.partsApart(positions) : nullptr);
+      list_.collectNear(near_, near_parts_, add);
+    }
   }
+  findRates();
   measured_at_ = positions;
   measured_reach_ = reach;
   return near_;
@@ -73,8 +80,7 @@ void SelfContact::forgetMotion() {
 void SelfContact::beginMotion() {
   clearance_.forgetParts();
   clearance_.tryAllParts();
-  failures_ = pause_ = 0;
-  is_calm_ = was_uncrossed_ = has_whole_failed_ = false;
+  is_calm_ = was_uncrossed_ = has_proof_failed_ = false;
 }
 
 bool SelfContact::foresee(const Points& positions, const Points& velocities, double time) {
@@ -102,7 +108,7 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
     is_calm_ = !clearance_.hasOutline();
   }
   if (!is_calm_) {
-    clearance_.proveParts(positions, velocities, time, Clearance::Aim::kApart);
+    clearance_.proveParts(positions, velocities, time);
     clearance_.tryAllParts();
   }
   const Cover* const apart = clearance_.partsApart(positions);

@@ -2,6 +2,7 @@
 #include "deformable_surface/contact/self_contact.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace deformable_surface::contact {
@@ -10,7 +11,7 @@ SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions,
   const Pair& pair = near.pair;
   const double spring = stiffness(pair), pressing = findSpring(near).force;
   const FrictionLaw law{params_.friction * pressing, params_.kinetic_friction * pressing, spring,
-                        2.0 * params_.damping * spring / rateOf(pair)};
+                        2.0 * params_.damping * spring / near.rate};
   const Vec3 normal = near.closest.gap / near.distance;
   const auto at = std::lower_bound(anchors.begin(), anchors.end(), pair,
                                    [](const PairAnchor& a, const Pair& p) { return a.isBefore(p.vertices, p.is_edges); });
@@ -38,10 +39,14 @@ void SelfContact::addFriction(const Points& positions, const Points& velocities,
   }
 }
 
+// Of the pairs with a place at which they stick: nothing is searched, which would be costly for positions of another time.
 double SelfContact::frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors) {
   double sum = 0.0;
-  if (anchors.empty()) return sum;
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const PairAnchor& anchor : anchors) {
+    Pair pair{anchor.vertices, anchor.is_edges, 0.0};
+    pair.thickness = list_.thicknessOf(pair);
+    const Closest closest = findClosest(pair, positions);
+    const Near near{pair, closest, std::sqrt(closest.squaredDistance()), weigh(pair, positions), rateOf(pair)};
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     sum += rub.law.storedEnergy(rub.stretch);

@@ -13,7 +13,6 @@ namespace {
 // Fraction of the room of a pair that its points may use in one step: below 1, so that rounding causes no crossing.
 constexpr double kOfRoom = 0.9;
 constexpr double kAhead = 8.0;       // calls of limit() for which the motion of the present one is predicted
-constexpr Index kMostFailures = 4;   // after each, proofs are tried half as often
 constexpr int kRounds = 4;           // of passes: the first over all pairs, the others over those that push
 constexpr int kColdRounds = 16;      // if nothing is known of the sub-step before
 constexpr int kPasses = 8;           // of a round
@@ -32,25 +31,11 @@ constexpr Index kBlock = 256;  // pairs per task: some microseconds
 bool SelfContact::staysUncrossed(const Points& before, const Points& after, bool continues) {
   was_uncrossed_ = clearance_.staysUncrossed(before, after, continues && was_uncrossed_);
   if (was_uncrossed_) return true;
-  if (is_calm_ || clearance_.partsUncrossed(before, after)) return false;
-  if (pause_ > 0) {
-    --pause_;
-    return false;
-  }
+  if (is_calm_ || has_proof_failed_) return false;
   for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] = after[i] - before[i];
-  if (!has_whole_failed_ && clearance_.prove(before, motion_, kAhead) && clearance_.staysUncrossed(before, after)) {
-    failures_ = 0;
-    was_uncrossed_ = true;
-    return true;
-  }
-  has_whole_failed_ = true;
-  if (clearance_.proveParts(before, motion_, kAhead, Clearance::Aim::kUncrossed) && clearance_.partsUncrossed(before, after)) {
-    failures_ = 0;
-    return false;
-  }
-  failures_ = std::min(failures_ + 1, kMostFailures);
-  pause_ = (Index{1} << failures_) - 1;
-  return false;
+  was_uncrossed_ = clearance_.prove(before, motion_, kAhead) && clearance_.staysUncrossed(before, after);
+  has_proof_failed_ = !was_uncrossed_;
+  return was_uncrossed_;
 }
 
 SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& before) const {
@@ -254,8 +239,7 @@ void SelfContact::moveAsOne(const Points& before, bool does_one_stay, Points& af
 bool SelfContact::mustStop(const Points& before, const Points& after, bool continues) {
   const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
   if (staysUncrossed(before, after, continues)) return false;
-  list_.update(before, after, reach, clearance_.partsUncrossed(before, after));
-  return list_.isAnyNear([&](const Pair& pair, double least) {
+  const auto test = [&](const Pair& pair, double least) {
     std::array<Vec3, 4> ways;
     for (int v = 0; v < 4; ++v) ways[v] = after[pair.vertices[v]] - before[pair.vertices[v]];
     double nearing = 0.0;  // squared, at most
@@ -268,7 +252,11 @@ bool SelfContact::mustStop(const Points& before, const Points& after, bool conti
     const Near near{pair, closest, std::sqrt(closest.squaredDistance())};
     if (!(near.distance > 0.0) || isRoomFor(near.distance)) return false;
     return findExcess(makeApproach(near, before), ways) > 0.0;
-  });
+  };
+  const double farthest = reach.of(findLargestRelativeWay(before, after));
+  if (watch_.ensure(before, farthest, &after)) return watch_.isAnyNear(farthest, test);
+  list_.update(before, after, reach);
+  return list_.isAnyNear(test);
 }
 
 const std::vector<Index>& SelfContact::limit(const Points& before, Points& after, bool continues) {

@@ -104,6 +104,27 @@ double SelfContact::stiffness(const Pair& pair) const {
 
 double SelfContact::rateOf(const Pair& pair) const { return params_.rate * std::sqrt(stiffness(pair) / penalty(pair)); }
 
+// Springs with a point in common add up: where layers lie on each other, up to a hundred bear a point. The critical damping of
+// all grows with the root of their sum. Were each damped by its own, motion in such places would be damped half critically, and
+// explicit steps would have to be less than half as long. Springs that harden are for methods without this limit.
+void SelfContact::findRates() {
+  if (!params_.hardens) borne_.assign(masses_.size(), 0.0);
+  for (Near& near : near_) {
+    if (!touches(near)) continue;
+    near.rate = rateOf(near.pair);
+    if (params_.hardens) continue;
+    const double k = stiffness(near.pair);
+    for (int v = 0; v < 4; ++v) borne_[near.pair.vertices[v]] += std::abs(near.closest.weight[v]) * k;
+  }
+  if (params_.hardens) return;
+  for (Near& near : near_) {
+    if (!touches(near)) continue;
+    double squared = near.rate * near.rate;
+    for (const Index v : near.pair.vertices) squared = std::max(squared, borne_[v] / masses_[v]);
+    near.rate = std::sqrt(squared);
+  }
+}
+
 double SelfContact::ownCompliance() const {
   double largest = 0.0;
   for (std::size_t i = 0; i < masses_.size(); ++i)
@@ -126,7 +147,7 @@ void SelfContact::addDampingForces(const Points& positions, const Points& veloci
     if (!touches(near)) continue;
     const Pair& pair = near.pair;
     const Vec3 normal = near.closest.gap / near.distance;
-    const Vec3 force = -2.0 * findDamping(near).share * stiffness(pair) / rateOf(pair) * findOpening(near, velocities) * normal;
+    const Vec3 force = -2.0 * findDamping(near).share * stiffness(pair) / near.rate * findOpening(near, velocities) * normal;
     for (int v = 0; v < 4; ++v) forces[pair.vertices[v]] += near.closest.weight[v] * force;
   }
 }
@@ -143,8 +164,7 @@ void SelfContact::addStiffness(const Points& positions, const Points& velocities
     double along = findSpring(near).stiffness;
     if (step > 0.0) {
       const Damping damping = findDamping(near);
-      along +=
-          2.0 * stiffness(near.pair) / rateOf(near.pair) * (damping.share / step - damping.onset * findOpening(near, velocities));
+      along += 2.0 * stiffness(near.pair) / near.rate * (damping.share / step - damping.onset * findOpening(near, velocities));
     }
     const Vec3 normal = near.closest.gap / near.distance;
     addToMatrix(near, std::max(0.0, along) * normal * normal.transpose(), stiffness_matrix);
@@ -154,12 +174,12 @@ void SelfContact::addStiffness(const Points& positions, const Points& velocities
 void SelfContact::addRowBounds(const Points& positions, std::vector<double>& stiffness_bounds, std::vector<double>& damping) {
   for (const Near& near : measure(positions, 0.0)) {
     const Pair& pair = near.pair;
-    if (!(near.distance < pair.thickness)) continue;
+    if (!touches(near)) continue;
     // The absolute weights sum to two.
     for (int v = 0; v < 4; ++v) {
       const double twice = 2.0 * std::abs(near.closest.weight[v]);
       stiffness_bounds[pair.vertices[v]] += twice * findSpring(near).stiffness;
-      damping[pair.vertices[v]] += 2.0 * params_.damping / rateOf(pair) * twice * stiffness(pair);
+      damping[pair.vertices[v]] += 2.0 * params_.damping / near.rate * twice * stiffness(pair);
     }
   }
 }

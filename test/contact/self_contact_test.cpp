@@ -172,12 +172,44 @@ TEST(SelfContact, DampingTakesEnergyAndNoMomentum) {
   EXPECT_LT(sum.norm(), 1e-12);
 }
 
+// All springs at a point together are damped as strongly as one alone: by the same share of the critical damping of their sum.
+TEST(SelfContact, DampingIsAShareOfTheCriticalOneOfAllSpringsAtAPoint) {
+  const test::Sheets sheets = test::makeSheets(6, 5, 0.0008, 0.0002);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
+  std::vector<double> stiffness(sheets.points.size()), damping(sheets.points.size());
+  contact.addRowBounds(sheets.points, stiffness, damping);
+  double most = 0.0;
+  for (std::size_t i = 0; i < damping.size(); ++i) {
+    // The bounds are twice the sums.
+    const double critical = 2.0 * std::sqrt(0.5 * stiffness[i] * massOf(i));
+    EXPECT_LE(0.5 * damping[i], kParams.damping * critical * (1.0 + 1e-12)) << i;
+    most = std::max(most, stiffness[i] / (massOf(i) * kParams.rate * kParams.rate));
+  }
+  EXPECT_GT(most, 20.0);  // springs at a point: of two layers alone it would be a few
+}
+
 constexpr double kStep = 1e9;  // s, in which springs of friction relax whatever their dampers do
 
 SelfContactParams withFriction(double coefficient) {
   SelfContactParams params = kParams;
   params.friction = params.kinetic_friction = coefficient;
   return params;
+}
+
+TEST(SelfContact, FrictionsEnergyAtOtherTimesNeedsNoSearch) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0019, 0.0);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25), withFriction(0.5));
+  std::vector<PairAnchor> anchors;
+  contact.moveAnchors(sheets.points, Points(sheets.points.size(), Vec3::Zero()), kStep, anchors);
+  Points moved = sheets.points;
+  for (std::size_t i = 25; i < moved.size(); ++i) moved[i].x() += 1e-6;
+  contact.countTouching(moved);
+  const Index num_searches = contact.numSearches();
+  Points far = moved;
+  for (Vec3& p : far) p *= 3.0;
+  EXPECT_EQ(contact.frictionEnergy(far, anchors), 0.0);
+  EXPECT_GT(contact.frictionEnergy(moved, anchors), 0.0);
+  EXPECT_EQ(contact.numSearches(), num_searches);
 }
 
 // The upper sheet is moved along the lower one: it is held by the springs of friction, up to Coulomb's limit.

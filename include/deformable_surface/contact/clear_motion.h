@@ -23,6 +23,8 @@ struct ClearMotion {
   bool isNear(const Points& positions, double tolerance) const;
   /// The same, and later, after points have kept their velocities for a time.
   bool isNear(const Points& positions, const Points& velocities, double time, double tolerance) const;
+  /// Upper bound, m, of how far any two points have left it in different directions; infinite for undefined numbers.
+  double boundAside(const Points& positions) const;
   std::size_t bytes() const { return sizeof(ClearMotion) + (from.size() + way.size()) * sizeof(Vec3); }
 };
 

@@ -15,8 +15,6 @@ namespace deformable_surface::contact {
 /// is cheap to check. Where the whole surface has no proof (see Chart), parts of it may have one.
 class Clearance {
  public:
-  enum class Aim { kUncrossed, kApart };
-
   /// For primitives that are to stay farther apart than distance (m). rest: (n) m. patches: of the same surface, kept by
   /// reference; null: no parts.
   Clearance(Points rest, const std::vector<Triangle>& triangles, double distance, const Patches* patches = nullptr);
@@ -44,13 +42,12 @@ class Clearance {
   std::shared_ptr<const ClearMotion> proven() const { return proven_; }
   void setProven(std::shared_ptr<const ClearMotion> proven) { proven_ = std::move(proven); }
 
-  /// The same for parts of the surface, apart from the proof of the whole. Returns whether anything is proven.
-  bool proveParts(const Points& positions, const Points& velocities, double time, Aim aim);
-  void forgetParts() { parts_.motion.tolerance = parts_.motion.apart_tolerance = -1.0; }
+  /// Tries to prove for parts of the surface that they stay farther apart than the distance, apart from the proof of the whole.
+  /// Returns whether anything is proven.
+  bool proveParts(const Points& positions, const Points& velocities, double time);
+  void forgetParts() { parts_.motion.apart_tolerance = -1.0; }
   /// Tries all parts again: those without a proof are left out since the last call, and parts of them tried.
   void tryAllParts() { has_failed_.clear(); }
-  /// What stays uncrossed on straight paths; null: nothing is proven.
-  const Cover* partsUncrossed(const Points& before, const Points& after) const;
   /// What is farther apart than the distance; null: nothing is proven.
   const Cover* partsApart(const Points& positions) const;
 
@@ -68,7 +65,7 @@ class Clearance {
 
   struct {
     ClearMotion motion;
-    Cover uncrossed, apart;
+    Cover apart;
   } parts_;
   std::vector<char> has_failed_;  // by chart
   std::optional<Atlas> atlas_;    // made when it is first needed

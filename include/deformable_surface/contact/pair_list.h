@@ -119,6 +119,8 @@ class PairList {
       for (const Listed& listed : couples_[open].listed) visit(listed.pair);
     }
   }
+  /// m, of a pair in contact: see Pair; not positive: it has none.
+  double thicknessOf(const Pair& pair) const;
   const Patches& patches() const { return patches_; }
   double thickness() const { return thickness_; }
   double medianEdge() const { return median_edge_; }  // m, at rest
@@ -187,6 +189,7 @@ class PairList {
   void measureAgain(const Points& positions);
   void searchExpired(const Points& positions);
   void enclose(Index patch, const Points& positions);
+  bool areBoxesApart(Couple& couple) const;
   void search(const Points& positions, Couple& couple) const;
   void offer(const Points& positions, Pair pair, Couple& couple) const;
 
@@ -222,8 +225,8 @@ class PairList {
   AppendedParts<Index> open_parts_;  // scratch
   AppendedParts<Couple*> expired_parts_;
   std::vector<Index> patches_of_expired_;
-  std::vector<Parts> parts_;       // (patches), of the patches of expired couples
-  std::vector<char> is_enclosed_;  // (patches): these are of at_
+  std::vector<Parts> parts_;                 // (patches), of the patches of expired couples
+  std::vector<char> is_enclosed_, has_box_;  // (patches): these, and boxes_, are of at_
   Index num_searches_ = 0;
   std::size_t num_listed_ = 0, num_visits_ = 0;  // the visits since all were measured
 };

@@ -9,6 +9,7 @@
 #include "deformable_surface/contact/friction_anchors.h"
 #include "deformable_surface/contact/friction_law.h"
 #include "deformable_surface/contact/pair_list.h"
+#include "deformable_surface/contact/pair_watch.h"
 #include "deformable_surface/contact/untangling.h"
 #include "deformable_surface/linear/block_sparse.h"
 
@@ -126,6 +127,7 @@ class SelfContact {
   /// Number of pairs that the last limit() has let collide.
   Index numApproaches() const { return static_cast<Index>(approaches_.size()); }
   const PairList& pairs() const { return list_; }
+  const PairWatch& watch() const { return watch_; }
 
  private:
   // Fraction of a pair's thickness: limit() lets parts that move come no nearer.
@@ -136,6 +138,7 @@ class SelfContact {
     Closest closest;
     double distance;
     double weight = 1.0;  // of the pair's spring: below 1 for nearly parallel edges if springs harden
+    double rate = 0.0;    // 1/s, of the oscillation that damping is a share of the critical one of; only of pairs that touch
   };
   // A near pair, projected on its gap.
   struct Approach {
@@ -186,6 +189,8 @@ class SelfContact {
   double penalty(const Pair& pair) const;    // N/m, without a pad
   double stiffness(const Pair& pair) const;  // N/m
   double rateOf(const Pair& pair) const;     // 1/s, of the least mass on a spring of this stiffness
+  /// Sets Near::rate.
+  void findRates();
   struct Spring {
     double energy, force, stiffness;  // J, N, N/m
   };
@@ -221,17 +226,18 @@ class SelfContact {
   bool may_touch_ = false;                          // the last answer that needed a look at pairs: saves time, changes nothing
   bool is_calm_ = false;                            // parts of the surface are not tried in this step
   bool was_uncrossed_ = false;                      // by clearance_, where the last call of limit() ended
-  Index failures_ = 0, pause_ = 0;                  // proofs that failed in a row, and calls of limit() until the next one
-  bool has_whole_failed_ = false;                   // a proof of the whole, in limit(): others are of parts
+  bool has_proof_failed_ = false;                   // in limit(): none is tried until the next step
   Points motion_;                                   // m, scratch
   Points way_, piece_begin_, piece_end_, reached_;  // m, of staysApart()
   PairList list_;
+  PairWatch watch_{list_};
   Clearance clearance_;
   const std::vector<double> masses_;
   SelfContactParams params_;
   Points measured_at_;
   double measured_reach_ = 0.0;
   std::vector<Near> near_;
+  std::vector<double> borne_;  // (n) N/m, scratch: of all springs at a point
   AppendedParts<Near> near_parts_;
   Points ways_, free_ways_;       // m, without the common motion; before collisions
   std::vector<double> allowed_;   // m, for which approaches_ are complete; empty: as far as the farthest moves

@@ -1,0 +1,109 @@
+// One look at the lists serves many sub-steps, and misses nothing.
+#include "deformable_surface/contact/pair_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "folded_sheets.h"
+
+namespace deformable_surface::contact {
+namespace {
+
+using Found = std::vector<std::array<Index, 5>>;  // vertices, and 1 for edges
+
+void add(const Pair& pair, const Points& positions, double reach, Found& found) {
+  if (findClosest(pair, positions).gap.norm() < reach)
+    found.push_back({pair.vertices[0], pair.vertices[1], pair.vertices[2], pair.vertices[3], pair.is_edges});
+}
+
+// Two sheets, with a list that is watched and one that is looked through each time.
+struct Watching {
+  const test::Sheets sheets = test::makeSheets(2, 10, 0.0015, 0.0005);
+  Points positions = sheets.points;
+  PairList watched{sheets.points, sheets.triangles, 0.001}, list{sheets.points, sheets.triangles, 0.001};
+  PairWatch watch{watched};
+  std::mt19937 generator{3};
+
+  Points shake(double size) {
+    Points velocities;
+    for (std::size_t i = 0; i < positions.size(); ++i) velocities.push_back(size * test::randomVector(generator));
+    return velocities;
+  }
+  Points moved(const Points& ways) const {
+    Points next = positions;
+    for (std::size_t i = 0; i < next.size(); ++i) next[i] += ways[i];
+    return next;
+  }
+  // Whether the same pairs, in the same order, are nearer than reach. Nothing is watched where the lists cost less.
+  void expectSame(double reach, const Points* next) {
+    if (!watch.ensure(positions, reach, next)) return;
+    ++num_watched;
+    Found of_watch, of_list;
+    AppendedParts<Found::value_type> parts;
+    watch.collectNear(reach, of_watch, parts, [&](const Pair& pair, double least, Found& found) {
+      EXPECT_LE(least, findClosest(pair, positions).gap.norm() + 1e-15);
+      add(pair, positions, reach, found);
+    });
+    list.update(positions, reach);
+    list.visitNear([&](const Pair& pair, double) { add(pair, positions, reach, of_list); });
+    EXPECT_EQ(of_watch, of_list);
+    EXPECT_EQ(watch.isAnyNear(reach, [&](const Pair& pair, double) { return findClosest(pair, positions).gap.norm() < reach; }),
+              !of_list.empty());
+    num_found += of_list.size();
+  }
+  int num_watched = 0;
+  std::size_t num_found = 0;
+};
+
+TEST(PairWatch, FindsWhatTheListsFindInAnyMotion) {
+  Watching w;
+  Points ways = w.shake(0.00005);
+  for (int step = 0; step < 300; ++step) {
+    // Smooth, with a noise that grows; all points drift together, too.
+    const Points noise = w.shake(2e-7 * step);
+    for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = 0.97 * ways[i] + noise[i] + Vec3(0.0, 0.001, 0.0);
+    const Points next = w.moved(ways);
+    w.expectSame(step % 5 == 0 ? 0.0015 : 0.0008, step % 3 == 0 ? nullptr : &next);
+    for (Vec3& way : ways) way.y() -= 0.001;
+    w.positions = next;
+  }
+  EXPECT_GT(w.num_watched, 150);
+  EXPECT_GT(w.num_found, 1000u);
+}
+
+TEST(PairWatch, OneLookServesAsLongAsPointsKeepTheirVelocities) {
+  Watching w;
+  const Points ways = w.shake(0.00002);
+  for (int step = 0; step < 40; ++step) {
+    const Points next = w.moved(ways);
+    w.expectSame(0.0008, &next);
+    w.positions = next;
+  }
+  EXPECT_EQ(w.num_watched, 40);
+  EXPECT_EQ(w.watch.numLooks(), 1);
+}
+
+TEST(PairWatch, LooksSeldomAtWhatNoPredictionServes) {
+  Watching w;
+  for (int step = 0; step < 100; ++step) {
+    w.positions = w.moved(w.shake(0.002));
+    w.expectSame(0.0008, nullptr);
+  }
+  EXPECT_LT(w.watch.numLooks(), 20);
+}
+
+TEST(PairWatch, LooksAgainOnceTheListsHoldOtherPairs) {
+  Watching w;
+  w.expectSame(0.001, nullptr);
+  std::vector<char> is_whole(w.sheets.triangles.size(), 1);
+  for (std::size_t t = 0; t < is_whole.size(); t += 2) is_whole[t] = 0;
+  w.watched.keepWhole(is_whole);
+  w.list.keepWhole(is_whole);
+  w.watch.forget();
+  w.expectSame(0.001, nullptr);
+  EXPECT_EQ(w.watch.numLooks(), 2);
+}
+
+}  // namespace
+}  // namespace deformable_surface::contact
