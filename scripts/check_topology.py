@@ -91,16 +91,9 @@ def betti_numbers(points, radius):
 
 
 def read_points(path):
-    """Positions of a binary .ply of floats; without those of particles that are gone."""
-    with open(path, "rb") as file:
-        data = file.read()
-    end = data.index(b"end_header\n") + len(b"end_header\n")
-    header = data[:end].decode()
-    count = int(re.search(r"element vertex (\d+)", header).group(1))
-    names = re.findall(r"property float (\w+)", header)
-    rows = np.frombuffer(data, "<f4", count * len(names), end).reshape(count, -1).astype(float)
-    points = rows[:, [names.index(a) for a in "xyz"]]
-    return points[np.isfinite(points).all(axis=1)]
+    """Positions of the particles, the corners of a .obj. Points of a jittered cloud are no particles: they follow several."""
+    with open(path) as file:
+        return np.array([[float(number) for number in line.split()[1:4]] for line in file if line.startswith("v ")])
 
 
 def run(simulate, points, ball, jitter, seed, rigidity, more, final):
@@ -112,7 +105,7 @@ def run(simulate, points, ball, jitter, seed, rigidity, more, final):
     for tool, sign in ((0, 1), (1, -1)):
         path = ", ".join("{time: %g, position: [0, 0, %g]}" % (time, sign * at) for time, at in ((0, far), (PUSH, near)))
         settings += ["tools.%d.shape.sphere.radius=%g" % (tool, radius), "tools.%d.path=[%s]" % (tool, path)]
-    command = [simulate, SCENE, "--final", final, "--threads", "1"]
+    command = [simulate, SCENE, "--mesh", final, "--threads", "1"]
     for setting in settings:
         command += ["--set", setting]
     for quantity in ("components", "boundary_loops", "euler_characteristic", "isolated"):
@@ -131,7 +124,7 @@ def main():
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--rigidity", type=float, default=0.14, help="of bending, in E h a^2, a: the spacing (0.14: the scene's)")
     parser.add_argument("--set", action="append", default=[])
-    parser.add_argument("--keep", help="folder for the final clouds")
+    parser.add_argument("--keep", help="folder for the final particles, .obj")
     options = parser.parse_args()
     temporary = tempfile.TemporaryDirectory()  # removed at the end
     folder = options.keep or temporary.name
@@ -139,7 +132,7 @@ def main():
     print("points  ball jitter seed | %-28s | the package's own count" % "pieces, tunnels, voids")
     wrong = total = 0
     for n, ball, jitter, seed in itertools.product(options.points, options.balls, options.jitters, options.seeds):
-        final = os.path.join(folder, "%d_%g_%g_%d.ply" % (n, ball, jitter, seed))
+        final = os.path.join(folder, "%d_%g_%g_%d.obj" % (n, ball, jitter, seed))
         code, text = run(options.simulate, n, ball, jitter, seed, options.rigidity, options.set, final)
         total += 1
         found = None

@@ -26,15 +26,6 @@ constexpr int kProjections = 16;
 // each must come nearer.
 constexpr double kSlack = 0.1, kLeastGain = 0.01;
 
-// m, of what passes through a surface with the longest extent ahead: the second of the three.
-double findWidth(const geometry::Solid& shape) {
-  Vec3 extents = Vec3::Constant(2.0 * shape.radius);
-  if (shape.kind == geometry::Solid::Kind::kBox) extents = shape.size;
-  if (shape.kind == geometry::Solid::Kind::kMesh) extents = shape.mesh->high() - shape.mesh->low();
-  std::sort(extents.data(), extents.data() + 3);
-  return extents[1];
-}
-
 Vec3 findClosest(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const std::array<double, 4> weight = contact::findClosestToTriangle(p, a, b, c).weight;
   return -(weight[1] * a + weight[2] * b + weight[3] * c);

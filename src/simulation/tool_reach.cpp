@@ -21,6 +21,14 @@ double findRadius(const geometry::Solid& shape) {
   return std::numeric_limits<double>::infinity();
 }
 
+double findWidth(const geometry::Solid& shape) {
+  Vec3 extents = Vec3::Constant(2.0 * shape.radius);
+  if (shape.kind == geometry::Solid::Kind::kBox) extents = shape.size;
+  if (shape.kind == geometry::Solid::Kind::kMesh) extents = shape.mesh->high() - shape.mesh->low();
+  std::sort(extents.data(), extents.data() + 3);
+  return extents[1];
+}
+
 bool isInReach(const tool::ToolParams& tool, double time, const Points& points) {
   if (!tool::isActive(tool, time)) return false;
   const double reach = findRadius(tool.shape) + (tool.mode == tool::Mode::kAttract ? tool.reach : 0.0);

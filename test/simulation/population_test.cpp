@@ -263,6 +263,49 @@ TEST(Population, NobodyIsBornInAnother) {
   EXPECT_GT(s.state().next_id, s.input().size());
 }
 
+// A ball fills a hole of one particle up to a third of a spacing above the sheet.
+TEST(Population, NobodyIsBornInASolidTool) {
+  SceneParams p = scene();
+  p.oriented_particles.growing = model::Growing::kGaps;
+  p.oriented_particles.growth.max_gap = 3.1;
+  p.oriented_particles.growth_interval = 0.02;
+  cloud::PointCloud cloud = patch();
+  const Vec3 hole = cloud.positions[7 * 14 + 7];
+  cloud.positions.erase(cloud.positions.begin() + 7 * 14 + 7);
+  const double radius = 0.8 * kSpacing, above = 0.33 * kSpacing;
+  p.tools = {ball(tool::Mode::kSolid, hole + Vec3(0.0, 0.0, above - radius), radius)};
+  Simulation s(p, asCloud(cloud.positions));
+  while (s.state().size() == s.input().size() && s.time() < 0.1) run(s, 1);
+  ASSERT_EQ(s.state().size(), s.input().size() + 1);
+  EXPECT_GT((s.state().positions.back() - p.tools[0].path[0].position).norm(), radius - 0.05 * kSpacing);
+}
+
+// Erasers around one particle leave it alone: the newborn in a filled hole goes, one of the beginning stays.
+TEST(Population, ANewParticleThatIsAloneGoes) {
+  for (const bool is_new : {true, false}) {
+    SceneParams p = scene();
+    p.oriented_particles.growing = model::Growing::kGaps;
+    p.oriented_particles.growth.max_gap = 3.1;
+    cloud::PointCloud cloud = patch();
+    const Vec3 middle = cloud.positions[7 * 14 + 7];
+    if (is_new) cloud.positions.erase(cloud.positions.begin() + 7 * 14 + 7);
+    for (int k = 0; k < 6; ++k) {
+      const double angle = k * kPi / 3.0;
+      p.tools.push_back(ball(tool::Mode::kErase, middle + 3.2 * kSpacing * Vec3(std::cos(angle), std::sin(angle), 0.0),
+                             2.6 * kSpacing));
+      p.tools.back().id = "eraser " + std::to_string(k);
+      p.tools.back().start = 0.1;
+    }
+    Simulation s(p, asCloud(cloud.positions));
+    run(s, 9);
+    ASSERT_EQ(s.state().size(), 14 * 14);
+    run(s, 10);
+    const auto isMiddle = [&](const Vec3& x) { return (x - middle).norm() < kSpacing; };
+    EXPECT_EQ(std::count_if(s.state().positions.begin(), s.state().positions.end(), isMiddle), is_new ? 0 : 1);
+    EXPECT_LT(s.state().size(), 14 * 14 - 20);
+  }
+}
+
 TEST(Population, ASnapshotBringsBackWhoHasGone) {
   SceneParams p = scene();
   p.gravity = Vec3(0.0, 0.0, -1.0);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace deformable_surface::simulation {
@@ -27,6 +28,24 @@ constexpr double kQuiet = 0.01;
 double findLeastDistance(const model::PairPotentials& pair) {
   return pair.distance *
          std::pow(static_cast<double>(pair.attraction) / pair.repulsion, 1.0 / (pair.repulsion - pair.attraction));
+}
+
+// What would be born inside a solid tool is born on it: contact would throw it off the surface. What lies deeper than half a
+// spacing is no place of the surface.
+void placeOnTools(double time, const std::vector<tool::ToolParams>& tools, double spacing,
+                  std::vector<model::NewParticle>& newborn) {
+  constexpr double kDeepest = 0.5;  // spacings
+  for (const tool::ToolParams& tool : tools) {
+    if (tool.mode != tool::Mode::kSolid || !tool::isActive(tool, time)) continue;
+    const tool::Pose pose = tool::interpolate(tool.path, time);
+    const auto isDeep = [&](model::NewParticle& particle) {
+      const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, particle.position);
+      if (!(d.distance < 0.0)) return false;
+      particle.position -= d.distance * d.normal;
+      return d.distance < -kDeepest * spacing;
+    };
+    newborn.erase(std::remove_if(newborn.begin(), newborn.end(), isDeep), newborn.end());
+  }
 }
 
 }  // namespace
@@ -114,7 +133,31 @@ std::vector<Index> ParticleLife::findQuiet(const State& state) const {
   return quiet;
 }
 
-void ParticleLife::grow(State& state, Population& changes) {
+// New particles, alone or two together, that neither bonds nor growth reach any more. While more pieces than a few have come off,
+// growth pauses, and they stay for the user to see.
+void ParticleLife::markLoose(const State& state) const {
+  const double far = std::max(model_.params().growth.max_gap * model_.lattice().spacing, model_.lattice().pair.cutoff);
+  const auto isNewborn = [&](Index i) { return state.traits[i].parents[0] != model::kNoParent; };
+  constexpr Index kPair = 2, kNext = 3;
+  std::optional<cloud::KdTree> tree;
+  std::vector<cloud::Neighbor> near;
+  const auto isOut = [&](std::size_t k) { return k >= near.size() || !(near[k].squared_distance <= far * far); };
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!isNewborn(i)) continue;
+    endIfInterrupted(i, kLook);
+    if (!tree) tree.emplace(state.positions);
+    tree->nearest(state.positions[i], kNext, near);
+    if (!isOut(kPair)) continue;
+    bool is_loose = isOut(1);
+    if (!is_loose && isNewborn(near[1].index)) {
+      tree->nearest(state.positions[near[1].index], kNext, near);
+      is_loose = isOut(kPair);
+    }
+    if (is_loose) is_gone_[i] = 1;
+  }
+}
+
+void ParticleLife::grow(double time, const std::vector<tool::ToolParams>& tools, State& state, Population& changes) {
   const model::OrientedParticlesParams& params = model_.params();
   const bool grows = params.stretching || params.growing != model::Growing::kNone;
   if (!grows || state.size() == 0 || state.size() >= params.growth.max_particles) return;
@@ -129,6 +172,7 @@ void ParticleLife::grow(State& state, Population& changes) {
   const double spacing = model_.lattice().spacing;
   // Rules take turns: one whose places are all taken does not keep the next from its own.
   const auto found = [&](double clearance, std::vector<model::NewParticle> proposed) {
+    placeOnTools(time, tools, spacing, proposed);
     model::leaveOutCrowded(state.positions, clearance * spacing, proposed);
     newborn = std::move(proposed);
     return !newborn.empty();

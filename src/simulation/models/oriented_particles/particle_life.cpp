@@ -10,6 +10,7 @@
 #include <cmath>
 #include <utility>
 
+#include "../../tool_reach.h"
 #include "particle_guide.h"
 #include "thin_blade.h"
 
@@ -39,6 +40,11 @@ bool isKnife(const ToolParams& tool, double time) {
 // Distance of a point from a tool, m; negative inside.
 double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& point) {
   return tool::findSignedDistance(tool.shape, pose, point).distance;
+}
+
+// sqrt(D / E h), m.
+double findStiffLength(const model::MaterialParams& material) {
+  return std::sqrt(material.bendingRigidity() / (material.young_modulus * material.thickness));
 }
 
 }  // namespace
@@ -80,6 +86,7 @@ void ParticleLife::remove(double time, bool looks, const std::vector<ToolParams>
     }
   }
   if (looks && scene_.oriented_particles.guide.grid) markMeeting(state);
+  if (looks) markLoose(state);
   std::vector<model::NewParticle> tube;
   if (looks && mayJoin(state)) tube = join(time, tools, state, changes);
   if (std::count(is_gone_.begin(), is_gone_.end(), 1) == 0) return;
@@ -133,9 +140,7 @@ std::vector<model::NewParticle> ParticleLife::join(double time, const std::vecto
   };
   const model::OrientedParticlesParams& params = model_.params();
   const double reach = params.cutoff * model_.lattice().pair.distance;
-  const model::MaterialParams& material = scene_.material;
-  const double stiff_length = std::sqrt(material.bendingRigidity() / (material.young_modulus * material.thickness));
-  const double meeting = std::max(reach + kBeyondBonds * spacing, kStiffTube * stiff_length);
+  const double meeting = std::max(reach + kBeyondBonds * spacing, kStiffTube * findStiffLength(scene_.material));
   std::optional<model::SheetJoint> joint =
       model::joinSheets(state.positions, state.orientations, is_gone_, spacing, reach, meeting, candidates, arePressedByTwo);
   if (!joint || state.positions.size() + joint->tube.size() > static_cast<std::size_t>(params.growth.max_particles)) return {};
@@ -157,6 +162,7 @@ void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Popul
 
 Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
   has_reported_debris_ = has_reported_heap_ = false;
+  piercing_.reset();
   model_.setSpacing(model_.statedSpacing());  // undoes the change by growing a surface
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
@@ -183,8 +189,9 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
   const double interval = scene_.oriented_particles.growth_interval;
   const bool looks = std::floor((time + 1e-6 * step) / interval) > std::floor((time - (1.0 - 1e-6) * step) / interval);
   remove(time, looks, tools, state, change.population);
-  if (looks) grow(state, change.population);
+  if (looks) grow(time, tools, state, change.population);
   if (looks && change.population.born == 0) reportArrival(state, change.population);
+  if (looks) reportPiercing(time, tools, state, change.population);
   if (looks && !has_reported_heap_) {
     const double bonds = model_.meanBonds(state), in_lattice = model_.latticeBonds();
     has_reported_heap_ = bonds > kHeap * in_lattice;
@@ -195,6 +202,22 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
            formatShort(in_lattice) + "; a step costs accordingly (material.bending_rigidity keeps a surface flat)");
   }
   return change;
+}
+
+// Of free bonds: how wide a tool must be follows from the tension that they carry.
+void ParticleLife::reportPiercing(double time, const std::vector<ToolParams>& tools, const State& state, Population& changes) {
+  const model::OrientedParticlesParams& params = model_.params();
+  if (model_.hasKeptBonds() || params.mode != model::ParticleMode::kSpace) return;
+  for (const ToolParams* tool : piercing_.look(time, tools, state, model_.lattice().spacing)) {
+    const double width = findLeastWidth(model_.lattice().spacing, findStiffLength(scene_.material));
+    const double found = findWidth(tool->shape);
+    appendNotice(changes.notice,
+                 "tool " + quote(tool->id) + ", " + formatShort(found) + " m wide, has gone through the surface; " +
+                     (found < width ? "a deep dent holds tools that are at least " + formatShort(width) +
+                                          " m wide: four spacings, and 16 sqrt(D / E h) (a larger tool, more particles or a smaller "
+                                          "material.bending_rigidity)"
+                                    : "it was pushed harder than bonds hold (a slower tool, or less material.damping)"));
+  }
 }
 
 void ParticleLife::hold(State& state, std::vector<char>& held, std::vector<char>& held_turns) const {

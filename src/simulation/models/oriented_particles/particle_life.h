@@ -7,6 +7,8 @@
 #include "deformable_surface/simulation/evolution.h"
 #include "deformable_surface/simulation/scene_params.h"
 
+#include "piercing_watch.h"
+
 namespace deformable_surface::simulation {
 
 class ParticleLife : public Evolution, public solve::Breaking {
@@ -55,7 +57,7 @@ class ParticleLife : public Evolution, public solve::Breaking {
   };
 
   static void takeOut(const std::vector<char>& is_gone, model::State& state, Population& changes);
-  void grow(model::State& state, Population& changes);
+  void grow(double time, const std::vector<tool::ToolParams>& tools, model::State& state, Population& changes);
   void reportArrival(const model::State& state, Population& changes);
   void requireRoom(const model::State& state, const std::vector<Index>& placed) const;
   void heat(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) const;
@@ -64,6 +66,8 @@ class ParticleLife : public Evolution, public solve::Breaking {
   std::vector<model::NewParticle> join(double time, const std::vector<tool::ToolParams>& tools, const model::State& state,
                                        Population& changes);
   void markMeeting(const model::State& state) const;
+  void markLoose(const model::State& state) const;
+  void reportPiercing(double time, const std::vector<tool::ToolParams>& tools, const model::State& state, Population& changes);
   void append(const model::NewParticle& particle, model::State& state) const;
   void followBirths(const model::State& state, Index first, const std::vector<model::NewParticle>& born);
   bool cut(double time, double step, const std::vector<tool::ToolParams>& tools, const model::State& state);
@@ -81,6 +85,7 @@ class ParticleLife : public Evolution, public solve::Breaking {
   model::ParticleCuts begun_with_;            // when the last step began
   mutable bool has_reported_debris_ = false, has_reported_heap_ = false;
   bool has_arrived_ = false;                    // at the iso-surface, or where it hardly moves
+  PiercingWatch piercing_;
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };
 

@@ -1,0 +1,145 @@
+// Tools that go through a surface of particles are told with the width that would have held; with that width none goes through.
+#include "clouds.h"
+#include "deformable_surface/io/shapes.h"
+#include "deformable_surface/simulation/expectations.h"
+#include "particles.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+
+constexpr double kRadius = 0.5;  // m, of the sphere
+
+tool::ToolParams ball(const std::string& id, double radius, const Vec3& from, const Vec3& to, double time) {
+  const Vec4 unturned(0.0, 0.0, 0.0, 1.0);
+  tool::ToolParams tool;
+  tool.id = id;
+  tool.shape.radius = radius;
+  tool.path = {{0.0, from, unturned}, {time, to, unturned}};
+  return tool;
+}
+
+// As scenes/particles_torus.yaml. stiffness: the bending rigidity in E h a^2. radius: of the balls, m.
+SceneParams makeTorusScene(Index points, double jitter, double stiffness, double radius) {
+  SceneParams p;
+  p.model = "oriented_particles";
+  p.cloud.shape = simulation::CloudParams::Shape::kSphere;
+  p.cloud.points = points;
+  p.cloud.radius = kRadius;
+  p.cloud.jitter = jitter;
+  p.cloud.seed = 5;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.gravity.setZero();
+  p.material.young_modulus = 1e5;
+  p.material.thickness = 1e-3;
+  p.material.density = 1000.0;
+  p.material.damping = 25.0;
+  const double squared_spacing = 2.0 / std::sqrt(3.0) * 4.0 * kPi * kRadius * kRadius / points;
+  p.material.bending_rigidity = stiffness * p.material.young_modulus * p.material.thickness * squared_spacing;
+  p.oriented_particles.rest_shape = model::RestShape::kFlat;
+  p.oriented_particles.delete_trapped = p.oriented_particles.stretching = true;
+  p.oriented_particles.growing = model::Growing::kGaps;
+  p.oriented_particles.growth_interval = 0.01;
+  p.oriented_particles.growth.min_gap = 1.6;
+  p.oriented_particles.growth.max_gap = 2.5;
+  const double far = kRadius + 0.05 + radius;
+  p.tools = {ball("above", radius, Vec3(0.0, 0.0, far), Vec3(0.0, 0.0, radius), 2.0),
+             ball("below", radius, Vec3(0.0, 0.0, -far), Vec3(0.0, 0.0, -radius), 2.0)};
+  return p;
+}
+
+// All notices of a run, m and s.
+std::string runAll(Simulation& s, double time) {
+  std::string notices;
+  while (s.time() < time) {
+    const simulation::StepOutcome outcome = s.step();
+    EXPECT_TRUE(outcome.ok) << outcome.problem;
+    if (!outcome.ok) break;
+    notices += outcome.notice + "\n";
+  }
+  return notices;
+}
+
+std::size_t countOf(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(PiercingWatch, ABallThatIsTooNarrowIsToldOnceWithTheWidthThatHolds) {
+  const SceneParams p = makeTorusScene(500, 0.0, 0.06, 0.2 * kRadius);
+  Simulation s(p, io::makeShape(p.cloud));
+  const std::string notices = runAll(s, 2.4);
+  EXPECT_EQ(countOf(notices, "has gone through the surface"), 2) << notices;
+  EXPECT_EQ(countOf(notices, "tool 'above', 0.2 m wide, has gone through"), 1) << notices;
+  EXPECT_EQ(countOf(notices, "at least 0.34 m wide"), 2) << notices;  // four spacings of 0.085 m
+}
+
+TEST(PiercingWatch, StiffSurfacesNeedWiderTools) {
+  const SceneParams p = makeTorusScene(500, 0.3, 0.14, 0.2 * kRadius);
+  Simulation s(p, io::makeShape(p.cloud));
+  EXPECT_GE(countOf(runAll(s, 2.4), "at least 0.51 m wide"), 1);
+}
+
+// From 5 % more than the least width on.
+TEST(PiercingWatch, BallsOfTheLeastWidthTurnASphereIntoATorus) {
+  struct Case {
+    Index points;
+    double jitter, stiffness, ball;
+  };
+  for (const Case& c : {Case{700, 0.3, 0.06, 0.3}, Case{1000, 0.0, 0.1, 0.32}}) {
+    const SceneParams p = makeTorusScene(c.points, c.jitter, c.stiffness, c.ball * kRadius);
+    Simulation s(p, io::makeShape(p.cloud));
+    const std::string notices = runAll(s, 3.4);
+    EXPECT_EQ(countOf(notices, "gone through"), 0) << notices;
+    EXPECT_EQ(simulation::computeQuantity("components", s), 1.0) << c.points;
+    EXPECT_EQ(simulation::computeQuantity("boundary_loops", s), 0.0) << c.points;
+    EXPECT_EQ(simulation::computeQuantity("euler_characteristic", s), 0.0) << c.points;
+  }
+}
+
+// A small ball presses on a sheet from above, goes around its edge and presses from below.
+TEST(PiercingWatch, ABallThatGoesAroundTheEdgeIsNotTold) {
+  SceneParams p;
+  p.model = "oriented_particles";
+  p.cloud.shape = simulation::CloudParams::Shape::kLattice;
+  p.cloud.points = 100;
+  p.cloud.size = Vec2(0.5, 0.5);
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.gravity.setZero();
+  p.material.damping = 25.0;
+  p.material.bending_rigidity = 1.0;
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-1.0, -1.0, -1.0);
+  pin.region.max = Vec3(-0.1, 1.0, 1.0);
+  p.pins = {pin};
+  const Vec4 unturned(0.0, 0.0, 0.0, 1.0);
+  tool::ToolParams tool = ball("ball", 0.05, Vec3(0.0, 0.0, 0.1), Vec3(0.0, 0.0, 0.045), 0.1);
+  for (const auto& [time, place] : {std::pair(0.2, Vec3(0.0, 0.0, 0.2)), std::pair(0.4, Vec3(0.5, 0.0, 0.2)),
+                                    std::pair(0.6, Vec3(0.5, 0.0, -0.2)), std::pair(0.8, Vec3(0.0, 0.0, -0.2)),
+                                    std::pair(1.0, Vec3(0.0, 0.0, -0.045))})
+    tool.path.push_back({time, place, unturned});
+  p.tools = {tool};
+  Simulation s(p, io::makeShape(p.cloud));
+  bool has_touched_above = false, has_touched_below = false;
+  std::string notices;
+  while (s.time() < 1.0) {
+    const simulation::StepOutcome outcome = s.step();
+    ASSERT_TRUE(outcome.ok) << outcome.problem;
+    notices += outcome.notice;
+    if (simulation::computeQuantity("touching", s) == 0.0) continue;
+    (s.time() < 0.3 ? has_touched_above : has_touched_below) = true;
+  }
+  EXPECT_TRUE(has_touched_above && has_touched_below);
+  EXPECT_EQ(countOf(notices, "gone through"), 0) << notices;
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
