@@ -20,7 +20,7 @@ std::optional<SheetJoint> join(const TestSurface& surface, const std::function<b
   std::vector<Index> all;
   for (Index i = 0; i < surface.size(); ++i) all.push_back(i);
   return joinSheets(surface.positions, orientTo(surface.normals), std::vector<char>(surface.size(), 0), kSpacing, reach, meeting,
-                    all, may_join);
+                    meeting, all, may_join);
 }
 
 // What is left, with the tube.

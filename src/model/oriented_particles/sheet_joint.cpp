@@ -82,8 +82,8 @@ std::vector<Meeting> findPlace(const std::vector<Meeting>& meetings, const Point
 }  // namespace
 
 std::optional<SheetJoint> joinSheets(const Points& positions, const Orientations& orientations, const std::vector<char>& is_gone,
-                                     double spacing, double reach, double meeting, const std::vector<Index>& candidates,
-                                     const std::function<bool(Index, Index)>& may_join) {
+                                     double spacing, double reach, double meeting, double shortest,
+                                     const std::vector<Index>& candidates, const std::function<bool(Index, Index)>& may_join) {
   if (candidates.size() < 2) return {};
   const Index n = static_cast<Index>(positions.size());
   Points normals;
@@ -138,12 +138,14 @@ std::optional<SheetJoint> joinSheets(const Points& positions, const Orientations
   const Vec3 x = axis.unitOrthogonal(), y = axis.cross(x);
 
   // Rings along a half circle from sheet to sheet.
-  const double bend = 0.5 * meeting, waist = kWaist * reach;
+  const double apart = std::sqrt(first.squared_distance);
+  const double bend = 0.5 * std::max(apart, std::min(shortest, meeting)), waist = kWaist * reach;
   const int num_rings = std::max(2, static_cast<int>(std::lround(kPi * bend / (kRows * spacing))) - 1);
   const double between = kRows * spacing / bend, steepest = 0.5 * (num_rings - 1) * between;
   SheetJoint joint;
   joint.is_gone = is_gone;
   joint.middle = middle;
+  joint.apart = apart;
   Points tube, tube_normals, tube_tangents;
   for (int ring = 0; ring < num_rings; ++ring) {
     const double slope = ring * between - steepest;

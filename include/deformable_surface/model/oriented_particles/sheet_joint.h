@@ -14,6 +14,7 @@ struct SheetJoint {
   std::vector<char> is_gone;      // (n): those that were, and those inside the rims
   std::vector<NewParticle> tube;  // parents: remaining particles, the nearest above and below its middle
   Vec3 middle;                    // m
+  double apart;                   // m, of the nearest pair there
 };
 
 /// Joins two sheets where they come nearest to each other, of all places where two particles i < j
@@ -25,11 +26,13 @@ struct SheetJoint {
 /// normals of all these pairs, its middle that of the pairs. The tube is rings of particles a spacing apart, along a half circle
 /// from sheet to sheet; at its waist it is wider than the reach of bonds.
 ///
+/// The tube is as long as the sheets are apart, at least `shortest`, m, and at most `meeting`.
+///
 /// positions (n x 3) m; orientations, is_gone (n): those that take no part; spacing, reach (of bonds), meeting: m, > 0;
 /// candidates: particles that may_join() may accept, ascending. A function of the geometry and the indices alone. O(n log n) if
 /// there are candidates.
 std::optional<SheetJoint> joinSheets(const Points& positions, const Orientations& orientations, const std::vector<char>& is_gone,
-                                     double spacing, double reach, double meeting, const std::vector<Index>& candidates,
-                                     const std::function<bool(Index, Index)>& may_join);
+                                     double spacing, double reach, double meeting, double shortest,
+                                     const std::vector<Index>& candidates, const std::function<bool(Index, Index)>& may_join);
 
 }  // namespace deformable_surface::model

@@ -28,6 +28,7 @@ constexpr double kBeyondBonds = 0.2;
 // In sqrt(D / E h): stiffer sheets are joined from farther away, by a tube that is bent less sharply. Chosen on particles_handle,
 // where this is 5.2 spacings; from the reach of bonds, 2.8, its tube had holes. In particles_torus the reach of bonds is more.
 constexpr double kStiffTube = 4.0;
+constexpr double kFar = 2.0;   // times that distance: tools that stop farther apart are not meant to join sheets
 constexpr double kFlat = 0.7;  // cosine between a particle's normal and that of a tool
 constexpr Index kLook = 1024;  // particles between two looks at an interrupt
 
@@ -45,6 +46,18 @@ double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& po
 // sqrt(D / E h), m.
 double findStiffLength(const model::MaterialParams& material) {
   return std::sqrt(material.bendingRigidity() / (material.young_modulus * material.thickness));
+}
+
+// Whether any two of the chosen tools come nearer to each other.
+bool doAnyApproach(double time, const std::vector<ToolParams>& tools, const std::vector<char>& is_chosen) {
+  for (std::size_t a = 0; a < tools.size(); ++a)
+    for (std::size_t b = a + 1; b < tools.size(); ++b) {
+      if (!is_chosen[a] || !is_chosen[b]) continue;
+      const Vec3 line = tool::interpolate(tools[b].path, time).position - tool::interpolate(tools[a].path, time).position;
+      const Vec3 velocity = tool::findMotion(tools[b].path, time).velocity - tool::findMotion(tools[a].path, time).velocity;
+      if (velocity.dot(line) < 0.0) return true;
+    }
+  return false;
 }
 
 }  // namespace
@@ -130,8 +143,12 @@ std::vector<model::NewParticle> ParticleLife::join(double time, const std::vecto
       pressed_by[i][is_hand] = static_cast<Index>(t);
     }
   }
-  for (Index i = 0; i < state.size(); ++i)
+  std::vector<char> is_pressing(tools.size(), 0);
+  for (Index i = 0; i < state.size(); ++i) {
     if (pressed_by[i][0] != kNone || pressed_by[i][1] != kNone) candidates.push_back(i);
+    for (const Index t : pressed_by[i])
+      if (t != kNone) is_pressing[t] = 1;
+  }
   const auto arePressedByTwo = [&](Index i, Index j) {
     for (const Index a : pressed_by[i])
       for (const Index b : pressed_by[j])
@@ -140,9 +157,22 @@ std::vector<model::NewParticle> ParticleLife::join(double time, const std::vecto
   };
   const model::OrientedParticlesParams& params = model_.params();
   const double reach = params.cutoff * model_.lattice().pair.distance;
-  const double meeting = std::max(reach + kBeyondBonds * spacing, kStiffTube * findStiffLength(scene_.material));
-  std::optional<model::SheetJoint> joint =
-      model::joinSheets(state.positions, state.orientations, is_gone_, spacing, reach, meeting, candidates, arePressedByTwo);
+  // Stiff sheets are joined from afar once the tools stop: those that go on would crush the tube.
+  const double near = reach + kBeyondBonds * spacing;
+  const bool waits = doAnyApproach(time, tools, is_pressing);
+  const double meeting = waits ? near : std::max(near, kStiffTube * findStiffLength(scene_.material));
+  const auto joinWithin = [&](double distance) {
+    return model::joinSheets(state.positions, state.orientations, is_gone_, spacing, reach, distance, near, candidates,
+                             arePressedByTwo);
+  };
+  std::optional<model::SheetJoint> joint = joinWithin(meeting);
+  if (!joint && !waits && !has_reported_gap_) {
+    if (const std::optional<model::SheetJoint> far = joinWithin(kFar * meeting)) {
+      has_reported_gap_ = true;
+      appendNotice(changes.notice, "tools that press two sheets towards each other stop " + formatShort(far->apart) +
+                                       " m apart; sheets are joined from " + formatShort(meeting) + " m on");
+    }
+  }
   if (!joint || state.positions.size() + joint->tube.size() > static_cast<std::size_t>(params.growth.max_particles)) return {};
   is_gone_ = std::move(joint->is_gone);
   appendNotice(changes.notice, "two sheets that tools press towards each other are joined at (" + formatShort(joint->middle.x()) +
@@ -161,7 +191,7 @@ void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Popul
 }
 
 Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
-  has_reported_debris_ = has_reported_heap_ = false;
+  has_reported_debris_ = has_reported_heap_ = has_reported_gap_ = false;
   piercing_.reset();
   model_.setSpacing(model_.statedSpacing());  // undoes the change by growing a surface
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
