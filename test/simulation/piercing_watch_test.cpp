@@ -122,9 +122,9 @@ TEST(PiercingWatch, ABallThatGoesAroundTheEdgeIsNotTold) {
   p.pins = {pin};
   const Vec4 unturned(0.0, 0.0, 0.0, 1.0);
   tool::ToolParams tool = ball("ball", 0.05, Vec3(0.0, 0.0, 0.1), Vec3(0.0, 0.0, 0.045), 0.1);
-  for (const auto& [time, place] : {std::pair(0.2, Vec3(0.0, 0.0, 0.2)), std::pair(0.4, Vec3(0.5, 0.0, 0.2)),
-                                    std::pair(0.6, Vec3(0.5, 0.0, -0.2)), std::pair(0.8, Vec3(0.0, 0.0, -0.2)),
-                                    std::pair(1.0, Vec3(0.0, 0.0, -0.045))})
+  for (const auto& [time, place] :
+       {std::pair(0.2, Vec3(0.0, 0.0, 0.2)), std::pair(0.4, Vec3(0.5, 0.0, 0.2)), std::pair(0.6, Vec3(0.5, 0.0, -0.2)),
+        std::pair(0.8, Vec3(0.0, 0.0, -0.2)), std::pair(1.0, Vec3(0.0, 0.0, -0.045))})
     tool.path.push_back({time, place, unturned});
   p.tools = {tool};
   Simulation s(p, io::makeShape(p.cloud));

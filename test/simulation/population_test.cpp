@@ -291,8 +291,8 @@ TEST(Population, ANewParticleThatIsAloneGoes) {
     if (is_new) cloud.positions.erase(cloud.positions.begin() + 7 * 14 + 7);
     for (int k = 0; k < 6; ++k) {
       const double angle = k * kPi / 3.0;
-      p.tools.push_back(ball(tool::Mode::kErase, middle + 3.2 * kSpacing * Vec3(std::cos(angle), std::sin(angle), 0.0),
-                             2.6 * kSpacing));
+      p.tools.push_back(
+          ball(tool::Mode::kErase, middle + 3.2 * kSpacing * Vec3(std::cos(angle), std::sin(angle), 0.0), 2.6 * kSpacing));
       p.tools.back().id = "eraser " + std::to_string(k);
       p.tools.back().start = 0.1;
     }
@@ -303,6 +303,54 @@ TEST(Population, ANewParticleThatIsAloneGoes) {
     const auto isMiddle = [&](const Vec3& x) { return (x - middle).norm() < kSpacing; };
     EXPECT_EQ(std::count_if(s.state().positions.begin(), s.state().positions.end(), isMiddle), is_new ? 0 : 1);
     EXPECT_LT(s.state().size(), 14 * 14 - 20);
+  }
+}
+
+// A hand lowers a stiff sheet onto another one that lies on a plate; both are too cold to move by themselves. They are joined
+// once the hand has stopped, if it is near enough then. Else that is told.
+TEST(Population, StiffSheetsAreJoinedWhenTheToolsHaveStopped) {
+  const double from = 6.0 * kSpacing, lasts = 0.3;
+  for (const double apart : {3.0 * kSpacing, 4.5 * kSpacing}) {
+    SceneParams p = scene();
+    const double stiff_length = kSpacing;  // sheets are joined from four of these on
+    p.material.bending_rigidity = p.material.young_modulus * p.material.thickness * stiff_length * stiff_length;
+    p.oriented_particles.rest_shape = model::RestShape::kFlat;
+    p.oriented_particles.delete_trapped = p.oriented_particles.stretching = true;
+    p.oriented_particles.freeze_below = 1.0;
+    cloud::PointCloud cloud = patch();
+    Points points = cloud.positions, normals(points.size(), Vec3::UnitZ());
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& at : cloud.positions) {
+      points.push_back(at + from * Vec3::UnitZ());
+      normals.push_back(-Vec3::UnitZ());
+      middle += at / static_cast<double>(cloud.positions.size());
+    }
+    cloud = asCloud(points);
+    cloud.normals = normals;
+    tool::ToolParams plate = ball(tool::Mode::kSolid, middle - 0.05 * Vec3::UnitZ(), 0.0);
+    plate.id = "plate";
+    plate.shape.kind = geometry::Solid::Kind::kBox;
+    plate.shape.size = Vec3(2.0, 2.0, 0.1);
+    tool::ToolParams hand = ball(tool::Mode::kMove, middle + from * Vec3::UnitZ(), 0.0);
+    hand.id = "hand";
+    hand.shape.kind = geometry::Solid::Kind::kBox;
+    hand.shape.size = Vec3(2.0, 2.0, kSpacing);
+    hand.path.push_back({lasts, middle + apart * Vec3::UnitZ(), Vec4(0.0, 0.0, 0.0, 1.0)});
+    p.tools = {plate, hand};
+    Simulation s(p, cloud);
+    std::string notices;
+    while (s.time() < 1.5 * lasts) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << outcome.problem;
+      notices += outcome.notice;
+      if (s.time() < lasts - 0.01) {
+        EXPECT_EQ(s.state().size(), s.input().size()) << "joined on the way, at " << s.time() << " s";
+      }
+    }
+    const bool is_near = apart < 4.0 * stiff_length;
+    EXPECT_EQ(simulation::computeQuantity("components", s), is_near ? 1.0 : 2.0);
+    EXPECT_EQ(notices.find("are joined at (") != std::string::npos, is_near) << notices;
+    EXPECT_EQ(notices.find("stop 0.225 m apart; sheets are joined from 0.2 m on") != std::string::npos, !is_near) << notices;
   }
 }
 

@@ -241,12 +241,13 @@ void ParticleLife::reportPiercing(double time, const std::vector<ToolParams>& to
   for (const ToolParams* tool : piercing_.look(time, tools, state, model_.lattice().spacing)) {
     const double width = findLeastWidth(model_.lattice().spacing, findStiffLength(scene_.material));
     const double found = findWidth(tool->shape);
-    appendNotice(changes.notice,
-                 "tool " + quote(tool->id) + ", " + formatShort(found) + " m wide, has gone through the surface; " +
-                     (found < width ? "a deep dent holds tools that are at least " + formatShort(width) +
-                                          " m wide: four spacings, and 16 sqrt(D / E h) (a larger tool, more particles or a smaller "
-                                          "material.bending_rigidity)"
-                                    : "it was pushed harder than bonds hold (a slower tool, or less material.damping)"));
+    appendNotice(
+        changes.notice,
+        "tool " + quote(tool->id) + ", " + formatShort(found) + " m wide, has gone through the surface; " +
+            (found < width ? "a deep dent holds tools that are at least " + formatShort(width) +
+                                 " m wide: four spacings, and 16 sqrt(D / E h) (a larger tool, more particles or a smaller "
+                                 "material.bending_rigidity)"
+                           : "it was pushed harder than bonds hold (a slower tool, or less material.damping)"));
   }
 }
 

@@ -84,7 +84,7 @@ class ParticleLife : public Evolution, public solve::Breaking {
   Points before_;                             // m, when a step with a knife began last
   model::ParticleCuts begun_with_;            // when the last step began
   mutable bool has_reported_debris_ = false, has_reported_heap_ = false, has_reported_gap_ = false;
-  bool has_arrived_ = false;                    // at the iso-surface, or where it hardly moves
+  bool has_arrived_ = false;  // at the iso-surface, or where it hardly moves
   PiercingWatch piercing_;
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };

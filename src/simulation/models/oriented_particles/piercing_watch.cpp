@@ -14,10 +14,10 @@ constexpr double kTouching = 0.5;  // spacings: the particle as a disc
 constexpr double kClear = 0.25;    // mean cosine between normals and the lines to the tool: in a hole it is near 0
 constexpr Index kLook = 1024;      // particles between two looks at an interrupt
 
-// A fluid surface under a tension T forms tubes of the radius sqrt(D / 2 T). These bonds carry T = 0.054 E h at most: the tube that
-// hangs on the tool, with the widest ring around it, has at least 3 sqrt(D / E h). Both factors were chosen on spheres of 500 to
-// 2000 particles with balls of 0.2 and 0.3 of their radius.
-constexpr double kSpacings = 4.0;      // below it neither the ball nor the tube behind it stays wider than bonds reach
+// A fluid surface under a tension T forms tubes of the radius sqrt(D / 2 T). These bonds carry T = 0.054 E h at most: the tube
+// that hangs on the tool, with the widest ring around it, has at least 3 sqrt(D / E h). Both factors were chosen on spheres of
+// 500 to 2000 particles with balls of 0.2 and 0.3 of their radius.
+constexpr double kSpacings = 4.0;  // below it neither the ball nor the tube behind it stays wider than bonds reach
 constexpr double kStiffLengths = 16.0;
 
 }  // namespace
@@ -61,8 +61,6 @@ std::vector<const tool::ToolParams*> PiercingWatch::look(double time, const std:
   return gone_through;
 }
 
-double findLeastWidth(double spacing, double stiff_length) {
-  return std::max(kSpacings * spacing, kStiffLengths * stiff_length);
-}
+double findLeastWidth(double spacing, double stiff_length) { return std::max(kSpacings * spacing, kStiffLengths * stiff_length); }
 
 }  // namespace deformable_surface::simulation
