@@ -3,7 +3,6 @@
 #include "deformable_surface/base/hash.h"
 #include "deformable_surface/base/median.h"
 #include "deformable_surface/base/parallel.h"
-#include "deformable_surface/base/parallel_sort.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <algorithm>
@@ -15,18 +14,11 @@
 namespace deformable_surface::cloud {
 namespace {
 
-constexpr double kSame = 1e-6;       // of the spacing: what is nearer is one point
-constexpr double kAlmost = 1e-2;     // of the distance to the last asked neighbour: what is nearer is almost the same point
+constexpr double kSame = 1e-6;       // of the spacing: what is nearer is one point, however many there are
+constexpr double kAlmost = 1e-2;     // of the spacing around: what is nearer is almost the same point
 constexpr Index kAsked = 16;         // neighbours: also where every point is there up to eight times
 constexpr Index kMostSampled = 500;  // points of which the median is taken
 constexpr Index kBlock = 1024;       // points per task
-// The spacing is at most this times the extent over the cube root of the number, also where every point is there eight times:
-// spheres of half the spacing do not overlap.
-constexpr double kMostSpacing = 5.0;
-constexpr double kCell = 1e3;         // distances to look for, in a cell: few points are near the walls, few cells hold two
-constexpr double kOffset = 0.37;      // cells, so that a coordinate that all points share is not at a wall
-constexpr std::size_t kCrowded = 32;  // points in one cell
-constexpr int kBits = 21;             // of each axis: three times this in 64
 
 // Of the position alone, so that the order of the points does not choose the sample.
 std::uint64_t hashOf(const Vec3& p) {
@@ -40,74 +32,44 @@ std::uint64_t hashOf(const Vec3& p) {
   return hash;
 }
 
+// The distance from a point to the nearest one that is not almost the same; 0 if there is none. near: for reuse.
+double findSpacing(const KdTree& tree, const Vec3& p, std::vector<Neighbor>& near) {
+  tree.nearest(p, kAsked + 1, near);
+  if (near.size() < 2) return 0.0;
+  const double least = kAlmost * kAlmost * near.back().squared_distance;
+  const auto next = std::find_if(near.begin() + 1, near.end(), [&](const Neighbor& j) { return j.squared_distance >= least; });
+  return std::sqrt(next->squared_distance);
+}
+
 double findTypicalSpacing(const KdTree& tree, const Points& points) {
   const Index n = static_cast<Index>(points.size());
   const std::uint64_t stride = static_cast<std::uint64_t>(std::max(Index{1}, n / kMostSampled));
   std::vector<double> spacings;
   std::vector<Neighbor> near;
-  for (const Vec3& p : points) {
-    if (stride > 1 && hashOf(p) % stride != 0) continue;
-    tree.nearest(p, kAsked + 1, near);
-    if (near.size() < 2) continue;
-    const double least = kAlmost * kAlmost * near.back().squared_distance;
-    const auto next = std::find_if(near.begin() + 1, near.end(), [&](const Neighbor& j) { return j.squared_distance >= least; });
-    spacings.push_back(std::sqrt(next->squared_distance));
-  }
+  for (const Vec3& p : points)
+    if (stride == 1 || hashOf(p) % stride == 0) spacings.push_back(findSpacing(tree, p, near));
   return spacings.empty() ? 0.0 : findMedian(std::move(spacings));
 }
 
-// Whether two points may be nearer to each other than a distance: cheap, for the clouds without such. A point near the wall of a
-// cell counts on both sides. A crowded cell is not searched.
-bool mayHaveNear(const Points& points, const Vec3& low, double distance) {
-  const double cell = kCell * distance, margin = 2.0 / kCell;
-  std::vector<std::pair<std::uint64_t, Index>> entries;
-  entries.reserve(points.size());
-  for (Index i = 0; i < static_cast<Index>(points.size()); ++i) {
-    const Vec3 u = (points[i] - low) / cell + Vec3::Constant(kOffset);
-    std::uint64_t from[3], to[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      from[axis] = static_cast<std::uint64_t>(std::max(0.0, u[axis] - margin));
-      to[axis] = static_cast<std::uint64_t>(u[axis] + margin);
-    }
-    for (std::uint64_t x = from[0]; x <= to[0]; ++x)
-      for (std::uint64_t y = from[1]; y <= to[1]; ++y)
-        for (std::uint64_t z = from[2]; z <= to[2]; ++z) entries.emplace_back((x << kBits | y) << kBits | z, i);
-  }
-  parallelSort(entries);
-  for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
-    while (end < entries.size() && entries[end].first == entries[begin].first) ++end;
-    if (end - begin > kCrowded) return true;
-    for (std::size_t a = begin; a < end; ++a)
-      for (std::size_t b = a + 1; b < end; ++b)
-        if ((points[entries[a].second] - points[entries[b].second]).squaredNorm() <= distance * distance) return true;
-  }
-  return false;
-}
-
-bool mayHaveNear(const Points& points) {
-  Vec3 low = points.front(), high = low;
-  for (const Vec3& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double distance = kSame * kMostSpacing * (high - low).maxCoeff() / std::cbrt(static_cast<double>(points.size()));
-  return distance > 0.0 && mayHaveNear(points, low, distance);
-}
-
-// For each point the nearest other one within the distance, -1: there is none.
-std::vector<Index> findNearest(const KdTree& tree, const Points& points, double distance) {
+// For each point the nearest other one, if it is almost the same; else -1. spacing: m, of a typical point. Where all points are
+// near to each other the cloud is finer there.
+std::vector<Index> findAlmostSame(const KdTree& tree, const Points& points, double spacing) {
   const Index n = static_cast<Index>(points.size());
-  std::vector<Index> nearest(n, -1);
+  std::vector<Index> same(n, -1);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     std::vector<Neighbor> near;
     for (Index k = begin; k < end; ++k) {
       const Index i = tree.order()[k];
       tree.nearest(points[i], 2, near);
-      for (const Neighbor& j : near)
-        if (j.index != i && j.squared_distance <= distance * distance) nearest[i] = j.index;
+      const Neighbor j = near[near[0].index == i ? 1 : 0];
+      const double distance = std::sqrt(j.squared_distance);
+      if (distance > kAlmost * spacing) continue;
+      if (distance <= kSame * spacing ||
+          distance <= kAlmost * std::min(findSpacing(tree, points[i], near), findSpacing(tree, points[j.index], near)))
+        same[i] = j.index;
     }
   });
-  return nearest;
+  return same;
 }
 
 Index findFirst(std::vector<Index>& first_of, Index i) {
@@ -159,13 +121,13 @@ double findTypicalSpacing(const Points& points) {
 NearPoints mergeNearPoints(CleanCloud& cloud) {
   NearPoints result;
   const Index n = static_cast<Index>(cloud.positions.size());
-  if (n < 2 || !mayHaveNear(cloud.positions)) return result;
+  if (n < 2) return result;
   Points before;
   std::vector<Index> place;  // (n) where each point is now; empty: where it was
   for (;;) {
     const KdTree tree(cloud.positions);
     if (place.empty()) result.spacing = findTypicalSpacing(tree, cloud.positions);
-    const std::vector<Index> nearest = findNearest(tree, cloud.positions, kSame * result.spacing);
+    const std::vector<Index> nearest = findAlmostSame(tree, cloud.positions, result.spacing);
     if (std::all_of(nearest.begin(), nearest.end(), [](Index j) { return j < 0; })) break;
     if (place.empty()) {
       before = cloud.positions;
@@ -177,7 +139,7 @@ NearPoints mergeNearPoints(CleanCloud& cloud) {
     joinWithNearest(nearest, cloud, new_index);
     for (Index& i : place) i = new_index[i];
   }
-  if (place.empty()) return result;
+  if (place.empty()) return {};
   result.num_merged = n - static_cast<Index>(cloud.positions.size());
   for (Index i = 0; i < n; ++i) result.distance = std::max(result.distance, (before[i] - cloud.positions[place[i]]).norm());
   for (Index& point : cloud.point_of_input)

@@ -15,9 +15,11 @@ struct NearPoints {
   double distance = 0.0;  // m, at most, of these from the points that stand for them
 };
 
-/// Merges points nearer to each other than a millionth of the spacing. Of a group, the least position (by x, y, z) stays and the
-/// first normal that is one, at the place of the first point: as for points of equal positions, the order of the input decides
-/// the numbers and the normal alone. A cloud without such points stays as it is. O(n log n).
+/// Merges points nearer to each other than a hundredth of the spacing, and than a hundredth of the distance to the points around
+/// them, so that fine parts of a cloud stay. A heap of any size within a millionth of the spacing becomes one. Of a group, the
+/// least position (by x, y, z) stays and the first normal that is one, at the place of the first point: as for points of equal
+/// positions, the order of the input decides the numbers and the normal alone. A cloud without such points stays as it is.
+/// O(n log n).
 NearPoints mergeNearPoints(CleanCloud& cloud);
 
 }  // namespace deformable_surface::cloud
