@@ -82,6 +82,12 @@ void parseRows(const std::string& file, const std::string& body, Table& table) {
       refuse(file, "row " + std::to_string(i) + " behind the header: found more than one number for each field; accepted: one");
     }
   }
+  next += std::strspn(next, " \t\r\n");
+  if (*next != '\0') {
+    refuse(file, "row " + std::to_string(table.points) + " behind the header: found " +
+                     quote(std::string(next, std::strcspn(next, "\n"))) + "; accepted: as many rows as the header says, " +
+                     std::to_string(table.points));
+  }
 }
 
 /// Records from compressed data, which holds all values of the first field, then all of the second, and so on.

@@ -7,6 +7,8 @@
 #include <pcl/io/ply_io.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -27,14 +29,34 @@ std::uint64_t sizeOfPlyType(const std::string& file, const std::string& type) {
   refuse(file, "found the property type " + quote(type) + "; accepted: char, uchar, short, ushort, int, uint, float, double");
 }
 
-/// Checks the lines behind the header: PCL takes words for NaN and leaves out the lines that are too many. counts: of the
-/// elements, a line each, the vertices first.
-void checkLines(const std::string& file, const Head& head, const std::vector<std::uint64_t>& counts, std::size_t properties) {
+/// Of a vertex.
+struct Property {
+  std::string name;
+  bool is_whole;
+  std::int64_t least, most;  // of whole numbers
+
+  bool canHold(double x) const {
+    return !is_whole || (x >= static_cast<double>(least) && x <= static_cast<double>(most) && x == std::floor(x));
+  }
+};
+
+Property makeProperty(const std::string& file, const std::string& type, const std::string& name) {
+  const std::int64_t range = std::int64_t{1} << (8 * std::min(std::uint64_t{4}, sizeOfPlyType(file, type)));
+  const std::int64_t least = type[0] == 'u' ? 0 : -range / 2;
+  return {name, type[0] != 'f' && type[0] != 'd', least, least + range - 1};
+}
+
+/// Checks the lines behind the header: PCL takes words for NaN, cuts off integers that are too large, and leaves out the lines
+/// that are too many. counts: of the elements, a line each, the vertices first.
+void checkLines(const std::string& file, const Head& head, const std::vector<std::uint64_t>& counts,
+                const std::vector<Property>& properties) {
   std::ifstream stream(file, std::ios::binary);
   stream.seekg(static_cast<std::streamoff>(head.header_bytes));
   const std::uint64_t points = counts[0], wanted = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  const std::string one_each = "a number for each of the " + std::to_string(properties.size()) + " properties";
   std::string line;
-  for (std::uint64_t row = 0; std::getline(stream, line); ++row) {
+  std::uint64_t row = 0;
+  for (; std::getline(stream, line); ++row) {
     const char* next = line.c_str();
     const auto skipBlanks = [&] { next += std::strspn(next, " \t\r"); };
     const auto refuseLine = [&](const std::string& accepted) {
@@ -43,14 +65,21 @@ void checkLines(const std::string& file, const Head& head, const std::vector<std
     skipBlanks();
     if (row >= wanted && *next != '\0') refuseLine("as many lines as the header says, " + std::to_string(wanted));
     if (row >= points) continue;
-    for (std::size_t p = 0; p < properties; ++p) {
+    for (const Property& property : properties) {
       char* end = nullptr;
-      std::strtod(next, &end);
-      if (end == next) refuseLine("a number for each of the " + std::to_string(properties) + " properties");
+      const double value = std::strtod(next, &end);
+      if (end == next) refuseLine(one_each);
+      if (!property.canHold(value))
+        refuseLine("whole numbers from " + std::to_string(property.least) + " to " + std::to_string(property.most) + " for " +
+                   quote(property.name));
       next = end;
       skipBlanks();
     }
+    if (*next != '\0') refuseLine(one_each);
   }
+  if (row < wanted)
+    refuse(file,
+           "found " + std::to_string(row) + " lines behind the header; accepted: as many as it says, " + std::to_string(wanted));
 }
 
 /// Checks the header of a PLY file for all that PCL takes on trust. Returns the number of points.
@@ -58,7 +87,7 @@ std::uint64_t checkPly(const std::string& file, Index max_points) {
   const Head head = readHead(file, "end_header");
   if (head.lines[0] != std::vector<std::string>{"ply"}) refuse(file, "found another first line than 'ply'; accepted: a PLY file");
   std::string format;
-  std::vector<std::string> properties;  // of the vertices
+  std::vector<Property> properties;  // of the vertices
   std::uint64_t points = 0, step = 0;
   std::vector<std::uint64_t> counts;  // of the elements
   for (const std::vector<std::string>& words : head.lines) {
@@ -80,10 +109,10 @@ std::uint64_t checkPly(const std::string& file, Index max_points) {
     if (words.size() != 3) refuse(file, "found a list among the properties of the vertices; accepted: single numbers");
     const std::string &type = words[1], &name = words[2];
     step += sizeOfPlyType(file, type);
-    if (std::count(properties.begin(), properties.end(), name))
+    if (std::any_of(properties.begin(), properties.end(), [&](const Property& p) { return p.name == name; }))
       refuse(file, "found the property " + quote(name) + " twice; accepted: once");
     // Byte colours are packed by PCL as they come.
-    const std::string before = properties.empty() ? "" : properties.back();
+    const std::string before = properties.empty() ? "" : properties.back().name;
     if (type == "uchar" || type == "uint8") {
       for (const std::string prefix : {"", "diffuse_"}) {
         if ((name == prefix + "green" && before != prefix + "red") || (name == prefix + "blue" && before != prefix + "green") ||
@@ -95,14 +124,14 @@ std::uint64_t checkPly(const std::string& file, Index max_points) {
     if ((before == "red" && name != "green") || (before == "green" && name != "blue")) {
       refuse(file, "found an incomplete colour; accepted: red, green and blue together");
     }
-    properties.push_back(name);
+    properties.push_back(makeProperty(file, type, name));
   }
   const std::uint64_t body = head.file_bytes - head.header_bytes;
   if (properties.size() > kMaxScalars)
     refuse(file, "found too many properties; accepted: at most " + std::to_string(kMaxScalars));
   if (format == "ascii") {
     checkCounts(file, points, body + 1, points * properties.size() * kMinTextBytes, max_points);
-    checkLines(file, head, counts, properties.size());
+    checkLines(file, head, counts, properties);
   } else if (format == "binary_little_endian" || format == "binary_big_endian") {
     checkCounts(file, points, body, points * step, max_points);
   } else {

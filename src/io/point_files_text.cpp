@@ -18,6 +18,7 @@ using cloud::PointCloud;
 using cloud::ScalarType;
 
 constexpr char kBlanks[] = " \t\r";
+constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";  // of UTF-8
 
 constexpr double kLeastLength = 0.9, kMostLength = 1.1;  // of a normal: files round to one digit or more
 constexpr double kFewestUnit = 0.9;                      // of the rows that have one
@@ -32,7 +33,8 @@ class Lines {
   /// The next one that is not blank, without what stands before its first word; nullptr at the end of the file.
   const char* next() {
     while (std::getline(stream_, line_)) {
-      ++number_;
+      if (++number_ == 1 && line_.compare(0, std::strlen(kByteOrderMark), kByteOrderMark) == 0)
+        line_.erase(0, std::strlen(kByteOrderMark));
       const char* first = line_.c_str() + std::strspn(line_.c_str(), kBlanks);
       if (*first != '\0' && *first != '#') return first;
     }

@@ -26,6 +26,17 @@ constexpr double kClose = 0.01;  // spacings: nearer points are almost the same;
 constexpr double kClearMargin = 1.3;  // of geodesic neighbours: below it the coupling across a gap may be some per cent
 constexpr Index kGapShare = 1000;     // fewer points at gaps than this part of all are holes of the sampling
 
+constexpr double kFar = 1e6;  // m: farther points count as not finite, as in clean()
+
+// For coordinates of maps.
+std::string adviseOffset(const cloud::PointCloud& input) {
+  const Index num_far = std::count_if(input.positions.begin(), input.positions.end(),
+                                      [](const Vec3& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() > kFar; });
+  if (num_far == 0) return "";
+  return ", within 1e6 m along each axis; " + std::to_string(num_far) +
+         " points are beyond: subtract an offset from their coordinates";
+}
+
 }  // namespace
 
 std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
@@ -49,7 +60,7 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (n < 3)
     throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) +
-                     "; accepted: at least 3");
+                     "; accepted: at least 3" + adviseOffset(input));
   if (cloud::orderInSpace(s.dense))
     s.notes.push_back(
         "neighbours are far apart in the order of the cloud, so that its points are sorted internally (outputs keep the input's "

@@ -234,7 +234,36 @@ TEST_F(PointFiles, NamesTheLineOfAPlyThatIsNotAsItsHeaderSays) {
   EXPECT_TRUE(contains(problem("a.ply", makePly("2", kXyz, "1 2 3\na b c\n")),
                        "line 10: found 'a b c'; accepted: a number for each of the 3 properties"));
   EXPECT_TRUE(contains(problem("a.ply", makePly("2", kXyz, "1 2 3\n4.25 5.25\n")), "line 10: found '4.25 5.25'"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("2", kXyz, "1 2 3\n4 5 6 7\n")),
+                       "line 10: found '4 5 6 7'; accepted: a number for each"));
+  EXPECT_TRUE(
+      contains(problem("a.ply", makePly("3", kXyz, "1.25 2.25 3.25\n4.25 5.25 6.25\n")), "found 2 lines behind the header"));
   EXPECT_EQ(readPointFile(write("a.ply", makePly("2", kXyz, "1 2 3\r\nnan nan nan\r\n\n \n")), 1.0, kMany).size(), 2);
+}
+
+TEST_F(PointFiles, RefusesNumbersThatTheTypeOfAPlyCannotHold) {
+  const auto found = [&](const std::string& type, const std::string& number) {
+    return problem("a.ply", makePly("2", kXyz + ("property " + type + " a\n"), "1 2 3 4\n4 5 6 " + number + "\n"));
+  };
+  EXPECT_TRUE(contains(found("uchar", "300"), "line 11: found '4 5 6 300'; accepted: whole numbers from 0 to 255 for 'a'"));
+  EXPECT_TRUE(contains(found("int16", "-32769"), "from -32768 to 32767"));
+  EXPECT_TRUE(contains(found("uint", "1.5"), "from 0 to 4294967295"));
+  for (const char* type : {"uchar", "uint8", "int16", "uint", "int"}) EXPECT_EQ(found(type, "255"), "accepted") << type;
+  for (const char* type : {"float", "double"}) EXPECT_EQ(found(type, "300.5"), "accepted") << type;
+}
+
+TEST_F(PointFiles, SkipsTheByteOrderMarkOfPlainText) {
+  EXPECT_EQ(readPointFile(write("a.xyz",
+                                "\xEF\xBB\xBF"
+                                "1 2 3\n4 5 6\n"),
+                          1.0, kMany)
+                .positions[0],
+            Vec3(1, 2, 3));
+  EXPECT_EQ(readPointFile(write("a.obj", "\xEF\xBB\xBFv 1 2 3\n"), 1.0, kMany).positions[0], Vec3(1, 2, 3));
+  EXPECT_NE(problem("a.xyz",
+                    "1 2 3\n\xEF\xBB\xBF"
+                    "4 5 6\n"),
+            "accepted");
 }
 
 TEST_F(PointFiles, RefusesBrokenPlainText) {
@@ -279,6 +308,12 @@ TEST_F(PointFiles, RefusesHeadersThatPromiseMoreThanTheFileHolds) {
       contains(problem("a.pcd", makePcd("2", "binary_compressed", std::string("\x05\0\0\0\x18\0\0\0abc", 11))), "compressed"));
   EXPECT_TRUE(contains(problem("a.pcd", makePcd("2", "binary_compressed", "abc")), "compressed"));
   EXPECT_TRUE(contains(problem("a.pcd", makePcd("3", "ascii", "1 2 3\n1 2 3\n1 2 3\n"), 2), "at most 2"));
+}
+
+TEST_F(PointFiles, RefusesMoreRowsThanAPcdSays) {
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("2", "ascii", "1 2 3\n4 5 6\n7 8 9\n")),
+                       "row 2 behind the header: found '7 8 9'; accepted: as many rows as the header says, 2"));
+  EXPECT_EQ(readPointFile(write("a.pcd", makePcd("2", "ascii", "1 2 3\r\n4 5 6\r\n\n \n")), 1.0, kMany).size(), 2);
 }
 
 TEST_F(PointFiles, RefusesShortAsciiBodies) {

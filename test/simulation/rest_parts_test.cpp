@@ -24,6 +24,20 @@ TEST(RestParts, CleanInputNeedsThreePointsAndCountsWhatItLeavesOut) {
   EXPECT_EQ(s.notes[1], "1 input points coincide with others and move with them");
 }
 
+TEST(RestParts, CoordinatesOfMapsAreRefusedWithAdvice) {
+  Points points;
+  for (int i = 0; i < 5; ++i) points.emplace_back(5e5, 4.6e6 + i, 0.1 * i * i);
+  try {
+    simulation::cleanInput(asCloud(points));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(
+        "cloud: found 0 finite distinct points among 5; accepted: at least 3, within 1e6 m along each axis; 5 points are beyond: "
+        "subtract an offset from their coordinates",
+        error.what());
+  }
+}
+
 Points makeGrid() {
   Points points;
   for (int i = 0; i < 10; ++i)
