@@ -149,6 +149,7 @@ void Stepper::setPaused(bool paused) {
   if (isPaused() && !paused && simulation_) skipTo(now_, simulation_->stepCount());
   if (!paused) is_failed_ = false;
   is_paused_ = paused;
+  was_paused_ = was_paused_ || paused;
 }
 
 // At once, even if the clock is behind the cloud's stamp.

@@ -212,6 +212,7 @@ class Stepper {
   SnapshotShelf snapshots_;                         // of this surface
   std::optional<Inbox::SteadyTime> missing_since_;  // in lockstep: tf does not know a frame that the next step needs
   bool is_paused_ = false;                          // asked for
+  bool was_paused_ = false;                         // at some time since the surface was at rest
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;
   simulation::TrackingWatch tracking_;            // since the surface was at rest

@@ -7,8 +7,8 @@
 
 namespace deformable_surface::node {
 
-// The trials are of the surface from rest, without commands. One that had none begins anew at once: nothing of the user's is
-// lost.
+// The trials are of the surface from rest, without commands. One that had none, and was not paused (as for ~step), begins anew
+// at once: nothing of the user's is lost.
 void Stepper::handleChoice() {
   if (!choosing_ || !choosing_->isMade() || is_held_) return;
   chosen_ = choosing_->take();
@@ -21,10 +21,11 @@ void Stepper::handleChoice() {
     return;
   }
   const std::string chosen = chosen_->simulation->accuracyChoice().sentence;
-  if (!is_as_built_ || simulation_->wasCommanded() || !snapshots_.all().empty()) {
-    warnings_.report(
-        Warning::kNotice,
-        "the surface goes on as it is, since it has had commands or snapshots; ~reset begins with what trials chose: " + chosen);
+  if (!is_as_built_ || simulation_->wasCommanded() || was_paused_ || !snapshots_.all().empty()) {
+    warnings_.report(Warning::kNotice,
+                     "the surface goes on as it is, since it has had commands, a pause or snapshots; ~reset begins with what "
+                     "trials chose: " +
+                         chosen);
     return;
   }
   ROS_INFO_STREAM(warnings_.name() << ": the surface begins anew with what trials chose: " << chosen);

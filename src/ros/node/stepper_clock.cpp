@@ -56,6 +56,7 @@ void Stepper::restart(std::int64_t now) {
 void Stepper::beginAnew(std::int64_t zero) {
   is_held_ = is_held_valid_ = false;
   is_failed_ = is_frame_due_ = is_gravity_known_ = false;
+  was_paused_ = is_paused_;
   last_frame_ = 0;
   ready_.clear();
   tracking_ = {};

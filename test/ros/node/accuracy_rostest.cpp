@@ -64,6 +64,21 @@ TEST_F(AccuracyNodeTest, ACommandKeepsTheSurfaceUntilAReset) {
       << client_->diagnosticText("accuracy");
 }
 
+TEST_F(AccuracyNodeTest, APausedSurfaceStaysUntilAReset) {
+  start("0.0");
+  ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
+  ASSERT_TRUE(client_->pause(true).success);
+  const double before = client_->step(1).simulation_time;
+  EXPECT_TRUE(waitForAccuracy("~reset begins with what trials chose: accuracy.position_error 0.02 m")) << process_->output();
+  EXPECT_GT(client_->step(1).simulation_time, before);
+  const std::string output = process_->output();
+  EXPECT_NE(output.find("goes on as it is, since it has had commands, a pause or snapshots"), std::string::npos) << output;
+  EXPECT_TRUE(client_->pause(false).success);
+  EXPECT_TRUE(client_->reset().success);
+  EXPECT_TRUE(waitUntil([&] { return client_->diagnosticText("accuracy").find(kUntried) == std::string::npos; }))
+      << client_->diagnosticText("accuracy");
+}
+
 TEST_F(AccuracyNodeTest, APatientNodeBeginsWithTheChosenSurface) {
   start("1000.0");
   client_->publish(cloud_);
