@@ -8,6 +8,7 @@
 
 #include <exception>
 #include <new>
+#include <optional>
 #include <utility>
 
 namespace deformable_surface::node {
@@ -139,18 +140,25 @@ void CloudWorker::build(CloudWork& work, CloudResult& result) const {
   const simulation::AccuracyParams& accuracy = work.params.accuracy;
   const bool is_tried = accuracy.position_error > 0.0 && !work.has_patience;
   std::unique_ptr<simulation::Simulation> simulation;
+  std::optional<simulation::AccuracyChoice> chosen;  // but not found
   if (is_tried) {
     auto choosing = std::make_unique<PendingChoice>(work.params, work.cloud, work.num_threads, [this] { inbox_.wake(); });
     if (choosing->wait(accuracy.patience, *inbox_.closing())) {
       PendingChoice::Made made = choosing->take();
-      result.problem = std::move(made.problem);
-      result.simulation = std::move(made.simulation);
-      result.viewer = std::move(made.viewer);
-      return;
+      if (!made.simulation || isFound(made.simulation->accuracyChoice(), accuracy.position_error)) {
+        result.problem = std::move(made.problem);
+        result.simulation = std::move(made.simulation);
+        result.viewer = std::move(made.viewer);
+        return;
+      }
+      chosen = made.simulation->accuracyChoice();
+    } else {
+      result.choosing = std::move(choosing);
     }
     endIfInterrupted();
+    const Index num_cloud = work.cloud.size();
     simulation = std::make_unique<simulation::Simulation>(simulation::Simulation::untried(work.params, std::move(work.cloud)));
-    result.choosing = std::move(choosing);
+    if (chosen) result.trials = sayNotFound(*chosen, accuracy.position_error, simulation->accuracyChoice().points, num_cloud);
   } else {
     simulation = std::make_unique<simulation::Simulation>(work.params, std::move(work.cloud));
   }

@@ -48,6 +48,8 @@ struct CloudResult {
   std::unique_ptr<cloud::PointCloud> unfiltered;
   // For a simulation that is untried (Simulation::untried()): the one that trials still choose for; else null.
   std::unique_ptr<PendingChoice> choosing;
+  // For one that is untried since trials did not find a number of points: what they found.
+  std::string trials;
 };
 
 class CloudWorker {

@@ -2,7 +2,10 @@
 
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 
+#include <algorithm>
+#include <cmath>
 #include <exception>
 #include <new>
 #include <utility>
@@ -13,7 +16,42 @@ namespace {
 // How soon a wait sees the flag that ends it.
 constexpr std::chrono::milliseconds kLookPeriod(20);
 
+using Candidate = simulation::AccuracyChoice::Candidate;
+
+// How many times the work of `points` points all of the cloud are expected to take, as the work grew in the choice from the last
+// trial to the chosen number; 0: not known.
+double expectWorkOfAll(const simulation::AccuracyChoice& choice, Index points, Index num_cloud) {
+  if (choice.candidates.empty()) return 0.0;
+  const Candidate& last = choice.candidates.back();
+  if (!(choice.points > last.points && last.work > 0.0 && choice.work > 0.0)) return 0.0;
+  const double exponent = std::log(choice.work / last.work) / std::log(static_cast<double>(choice.points) / last.points);
+  return std::pow(static_cast<double>(num_cloud) / points, exponent);
+}
+
 }  // namespace
+
+bool isFound(const simulation::AccuracyChoice& choice, double target) {
+  const auto is_below = [&](const Candidate& tried) {
+    return tried.points == choice.points && !tried.is_bounded && tried.error <= target;
+  };
+  return choice.is_met || std::any_of(choice.candidates.begin(), choice.candidates.end(), is_below);
+}
+
+std::string sayNotFound(const simulation::AccuracyChoice& choice, double target, Index points, Index num_cloud) {
+  std::string tried;
+  for (const Candidate& candidate : choice.candidates) {
+    // One below the target was ended before its error was known.
+    const bool is_known = std::isfinite(candidate.error) && candidate.error > target;
+    tried += (tried.empty() ? "" : ", ") + std::to_string(candidate.points) +
+             (is_known ? ": " + formatShort(candidate.error) + " m" : ": not known");
+  }
+  std::string sentence = "trials for accuracy.position_error found no number of points that is known to meet it (expected errors: " +
+                         tried + "), and the surface has its " + std::to_string(points) + " points, after ~reset, too";
+  if (points >= num_cloud) return sentence;
+  sentence += "; without accuracy.position_error, simplification.method: none simulates all";
+  const double work = expectWorkOfAll(choice, points, num_cloud);
+  return work > 0.0 ? sentence + ", which is expected to take " + formatShort(work) + " times the work" : sentence;
+}
 
 PendingChoice::PendingChoice(const simulation::SceneParams& params, cloud::PointCloud cloud, int num_threads,
                              std::function<void()> on_made)

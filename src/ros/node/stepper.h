@@ -189,6 +189,7 @@ class Stepper {
   // begin with at the next reset.
   std::unique_ptr<PendingChoice> choosing_;
   std::optional<PendingChoice::Made> chosen_;
+  std::string trials_;  // what trials found, where the surface is not the one that they chose; else empty
   std::string frame_;
   CloudId cloud_;
   std::unique_ptr<cloud::PointCloud> unfiltered_;  // the cloud before the filters; null: the simulation's input itself

@@ -20,7 +20,15 @@ void Stepper::handleChoice() {
     chosen_.reset();
     return;
   }
-  const std::string chosen = chosen_->simulation->accuracyChoice().sentence;
+  const simulation::AccuracyChoice& choice = chosen_->simulation->accuracyChoice();
+  const double target = simulation_->params().accuracy.position_error;
+  if (!isFound(choice, target)) {
+    trials_ = sayNotFound(choice, target, simulation_->accuracyChoice().points, simulation_->input().size());
+    warnings_.report(Warning::kNotice, trials_);
+    chosen_.reset();
+    return;
+  }
+  const std::string chosen = choice.sentence;
   if (!is_as_built_ || simulation_->wasCommanded() || was_paused_ || !snapshots_.all().empty()) {
     warnings_.report(Warning::kNotice,
                      "the surface goes on as it is, since it has had commands, a pause or snapshots; ~reset begins with what "
@@ -48,7 +56,7 @@ std::string Stepper::describeAccuracy() const {
   const std::string& now = simulation_->accuracyChoice().sentence;
   if (choosing_) return now + "; trials go on in the background";
   if (chosen_) return now + "; ~reset begins with what trials chose: " + chosen_->simulation->accuracyChoice().sentence;
-  return now;
+  return trials_.empty() ? now : now + "; " + trials_;
 }
 
 }  // namespace deformable_surface::node

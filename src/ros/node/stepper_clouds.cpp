@@ -69,7 +69,7 @@ void Stepper::handleClouds() {
     built_revision_ = params_revision_;
     if (!simulation_) setSurfaceFrame(work.frame);
     if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
-    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}, {}, {}, {}});
+    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}, {}, {}, {}, {}});
     building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }
   worker_.begin(std::move(work));
@@ -183,6 +183,7 @@ void Stepper::begin(CloudResult&& result) {
     choosing_ = std::move(result.choosing);
     chosen_revision_ = built_revision_;
     chosen_.reset();
+    trials_ = std::move(result.trials);
   }
   is_as_built_ = true;
   frame_ = result.frame;
@@ -211,6 +212,7 @@ void Stepper::begin(CloudResult&& result) {
     notice += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, and does not catch up with that time";
   ROS_INFO_STREAM(warnings_.name() << notice);
   for (const std::string& warning : simulation_->buildWarnings()) warnings_.report(Warning::kNotice, warning);
+  if (!trials_.empty() && !is_again) warnings_.report(Warning::kNotice, trials_);
   building_.reset();
   // At rest it is the cloud itself, at the cloud's stamp.
   show(inbox_.now() - result.stamp <= kLongestBuild ? result.stamp : outputStamp());

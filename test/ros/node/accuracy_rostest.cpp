@@ -16,15 +16,15 @@ class AccuracyNodeTest : public ::testing::Test {
   }
 
   // The trials take a second or more, and the first surface comes after its set-up.
-  void start(const std::string& patience) {
+  void start(const std::string& patience, const std::string& target = "0.02") {
     process_ = std::make_unique<NodeProcess>("/surface", R"(
 model: mass_spring
 material: {young_modulus: 1.0e6, thickness: 0.001, damping: 1.0}
 gravity: [0, 0, -1]
 duration: 1.0
 pins: [{box: {min: [-1, -1, -1], max: [0.021, 1, 1]}}]
-accuracy: {position_error: 0.02, remember: false, patience: )" +
-                                                             patience + "}");
+accuracy: {remember: false, position_error: )" + target +
+                                                             ", patience: " + patience + "}");
     client_ = std::make_unique<NodeClient>("/surface");
     ASSERT_TRUE(client_->waitForNode()) << process_->output();
   }
@@ -77,6 +77,22 @@ TEST_F(AccuracyNodeTest, APausedSurfaceStaysUntilAReset) {
   EXPECT_TRUE(client_->reset().success);
   EXPECT_TRUE(waitUntil([&] { return client_->diagnosticText("accuracy").find(kUntried) == std::string::npos; }))
       << client_->diagnosticText("accuracy");
+}
+
+TEST_F(AccuracyNodeTest, ALiveSurfaceStaysWhereNoNumberOfPointsIsFound) {
+  for (const char* patience : {"0.0", "1000.0"}) {
+    start(patience, "1.0e-7");
+    client_->publish(cloud_);
+    EXPECT_TRUE(waitForAccuracy("found no number of points that is known to meet it")) << process_->output();
+    EXPECT_EQ(client_->diagnosticText("accuracy").find("accuracy.position_error 1.0e-07 m: " + kUntried), 0u)
+        << client_->diagnosticText("accuracy");
+    EXPECT_TRUE(client_->reset().success);
+    EXPECT_EQ(process_->output().find("begins anew"), std::string::npos) << process_->output();
+    EXPECT_NE(process_->output().find("and the surface has its 1000 points, after ~reset, too"), std::string::npos)
+        << process_->output();
+    client_.reset();
+    process_.reset();
+  }
 }
 
 TEST_F(AccuracyNodeTest, APatientNodeBeginsWithTheChosenSurface) {

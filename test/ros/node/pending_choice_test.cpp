@@ -53,6 +53,46 @@ TEST(PendingChoice, EndsItsTrialsWhenItGoes) {
   EXPECT_EQ(problem, "was interrupted");
 }
 
+TEST(PendingChoice, FindsOnlyWhatMeetsTheTargetOrStaysBelowItWithoutABound) {
+  simulation::AccuracyChoice choice;
+  choice.points = 800;
+  choice.candidates.resize(2);
+  choice.candidates[0].points = 128;
+  choice.candidates[0].error = 3e-3;
+  choice.candidates[1].points = 800;
+  choice.candidates[1].error = 5e-4;
+  EXPECT_FALSE(isFound(choice, 1e-3));  // its trial was ended early
+  EXPECT_FALSE(isFound(choice, 1e-4));
+  choice.candidates[1].is_bounded = false;
+  EXPECT_TRUE(isFound(choice, 1e-3));
+  EXPECT_FALSE(isFound(choice, 1e-4));
+  choice.points = 8000;
+  EXPECT_FALSE(isFound(choice, 1e-3));
+  choice.is_met = true;
+  EXPECT_TRUE(isFound(choice, 1e-3));
+}
+
+TEST(PendingChoice, SaysWhatWasTriedAndWhatAllPointsCost) {
+  simulation::AccuracyChoice choice;
+  choice.points = 12800;
+  choice.work = 1e6;
+  choice.candidates.resize(1);
+  choice.candidates[0].points = 128;
+  choice.candidates[0].error = 3e-3;
+  choice.candidates[0].work = 1e3;  // grows with points^1.5
+  EXPECT_EQ(sayNotFound(choice, 1e-3, 1000, 4000),
+            "trials for accuracy.position_error found no number of points that is known to meet it (expected errors: 128: 0.003 m), "
+            "and the surface has its 1000 points, after ~reset, too; without accuracy.position_error, simplification.method: none "
+            "simulates all, which is expected to take 8 times the work");
+  choice.points = 128;
+  choice.candidates[0].error = 1e-4;
+  EXPECT_EQ(sayNotFound(choice, 1e-3, 1000, 4000),
+            "trials for accuracy.position_error found no number of points that is known to meet it (expected errors: 128: not "
+            "known), and the surface has its 1000 points, after ~reset, too; without accuracy.position_error, "
+            "simplification.method: none simulates all");
+  EXPECT_EQ(sayNotFound(choice, 1e-3, 100, 100).find("simplification"), std::string::npos);
+}
+
 TEST(PendingChoice, TellsWhyThereIsNone) {
   SceneParams p = withTarget();
   p.pins.emplace_back();
