@@ -51,6 +51,11 @@ bool CloudWorker::isBusy() const {
   return is_busy_;
 }
 
+bool CloudWorker::hasArrived() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return arrived_.has_value();
+}
+
 void CloudWorker::begin(CloudWork&& work) {
   const std::lock_guard<std::mutex> lock(mutex_);
   is_busy_ = true;
@@ -143,7 +148,10 @@ void CloudWorker::build(CloudWork& work, CloudResult& result) const {
   std::optional<simulation::AccuracyChoice> chosen;  // but not found
   if (is_tried) {
     auto choosing = std::make_unique<PendingChoice>(work.params, work.cloud, work.num_threads, [this] { inbox_.wake(); });
-    if (choosing->wait(accuracy.patience, *inbox_.closing())) {
+    // Another cloud would wait, too; whether it shows another surface is seen once this one is there.
+    const bool is_replaceable = work.params.input.policy == simulation::InputPolicy::kReplace;
+    const auto ends = [&] { return inbox_.isClosed() || (is_replaceable && hasArrived()); };
+    if (choosing->wait(accuracy.patience, ends)) {
       PendingChoice::Made made = choosing->take();
       if (!made.simulation || isFound(made.simulation->accuracyChoice(), accuracy.position_error)) {
         result.problem = std::move(made.problem);

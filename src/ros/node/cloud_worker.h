@@ -89,6 +89,7 @@ class CloudWorker {
   void decode(const Arrived& arrived);
   CloudResult carryOut(CloudWork& work) const;
   void build(CloudWork& work, CloudResult& result) const;
+  bool hasArrived() const;
 
   Inbox& inbox_;
   WarningLog& warnings_;

@@ -13,7 +13,7 @@
 namespace deformable_surface::node {
 namespace {
 
-// How soon a wait sees the flag that ends it.
+// How soon a wait sees that it must end.
 constexpr std::chrono::milliseconds kLookPeriod(20);
 
 using Candidate = simulation::AccuracyChoice::Candidate;
@@ -87,11 +87,11 @@ PendingChoice::Made PendingChoice::make(const simulation::SceneParams& params, c
   return made;
 }
 
-bool PendingChoice::wait(double seconds, const std::atomic<bool>& ends) {
+bool PendingChoice::wait(double seconds, const std::function<bool()>& ends) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   std::unique_lock<std::mutex> lock(mutex_);
-  while (!made_ && !ends && std::chrono::duration<double>(Clock::now() - begin).count() < seconds)
+  while (!made_ && !ends() && std::chrono::duration<double>(Clock::now() - begin).count() < seconds)
     came_.wait_for(lock, kLookPeriod);
   return made_.has_value();
 }

@@ -38,8 +38,8 @@ class PendingChoice {
   PendingChoice(const PendingChoice&) = delete;
   PendingChoice& operator=(const PendingChoice&) = delete;
 
-  /// Waits until it is made or the flag is true, but not longer than this (s). Returns whether it is made.
-  bool wait(double seconds, const std::atomic<bool>& ends);
+  /// Waits until it is made or ends() is true, but not longer than this (s). Returns whether it is made.
+  bool wait(double seconds, const std::function<bool()>& ends);
   bool isMade() const;
   /// Only if it is made, and once.
   Made take();

@@ -16,15 +16,14 @@ class AccuracyNodeTest : public ::testing::Test {
   }
 
   // The trials take a second or more, and the first surface comes after its set-up.
-  void start(const std::string& patience, const std::string& target = "0.02") {
+  void start(const std::string& patience, const std::string& target = "0.02", const std::string& duration = "1.0") {
     process_ = std::make_unique<NodeProcess>("/surface", R"(
 model: mass_spring
 material: {young_modulus: 1.0e6, thickness: 0.001, damping: 1.0}
 gravity: [0, 0, -1]
-duration: 1.0
 pins: [{box: {min: [-1, -1, -1], max: [0.021, 1, 1]}}]
-accuracy: {remember: false, position_error: )" + target +
-                                                             ", patience: " + patience + "}");
+accuracy: {remember: false, position_error: )" + target + ", patience: " +
+                                                             patience + "}\nduration: " + duration + "\n");
     client_ = std::make_unique<NodeClient>("/surface");
     ASSERT_TRUE(client_->waitForNode()) << process_->output();
   }
@@ -100,6 +99,17 @@ TEST_F(AccuracyNodeTest, APatientNodeBeginsWithTheChosenSurface) {
   client_->publish(cloud_);
   EXPECT_TRUE(waitForAccuracy("points simulated")) << process_->output();
   EXPECT_EQ(process_->output().find(kUntried), std::string::npos) << process_->output();
+}
+
+TEST_F(AccuracyNodeTest, AnotherCloudDoesNotWaitForThePatienceWithTheFirst) {
+  start("1000.0", "0.02", "100.0");
+  client_->publish(cloud_);
+  ASSERT_TRUE(waitUntil([&] { return process_->output().find("has been under construction") != std::string::npos; }))
+      << process_->output();
+  PointCloud2 small = makeSheet(10, 10);
+  small.header.stamp = cloud_.header.stamp + ros::Duration(1.0);
+  EXPECT_TRUE(client_->exchange(small)) << process_->output();
+  EXPECT_NE(process_->output().find(kUntried), std::string::npos) << process_->output();
 }
 
 }  // namespace

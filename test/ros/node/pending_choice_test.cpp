@@ -11,7 +11,7 @@ namespace {
 using simulation::SceneParams;
 using simulation::Simulation;
 
-const std::atomic<bool> kNever{false};
+bool never() { return false; }
 constexpr double kLong = 600.0;  // s
 
 SceneParams withTarget() {
@@ -23,7 +23,7 @@ SceneParams withTarget() {
 TEST(PendingChoice, IsTheSurfaceThatTrialsChoose) {
   std::atomic<int> calls{0};
   PendingChoice choosing(withTarget(), test::strip(), 1, [&] { ++calls; });
-  ASSERT_TRUE(choosing.wait(kLong, kNever));
+  ASSERT_TRUE(choosing.wait(kLong, never));
   EXPECT_TRUE(choosing.isMade());
   PendingChoice::Made made = choosing.take();
   ASSERT_EQ(made.problem, "");
@@ -46,8 +46,8 @@ TEST(PendingChoice, EndsItsTrialsWhenItGoes) {
   {
     PendingChoice choosing(p, test::strip(), 1, [&] { problem = made->take().problem; });
     made = &choosing;
-    EXPECT_FALSE(choosing.wait(0.3, kNever));
-    EXPECT_FALSE(choosing.wait(kLong, std::atomic<bool>(true)));
+    EXPECT_FALSE(choosing.wait(0.3, never));
+    EXPECT_FALSE(choosing.wait(kLong, [] { return true; }));
     EXPECT_FALSE(choosing.isMade());
   }
   EXPECT_EQ(problem, "was interrupted");
@@ -98,7 +98,7 @@ TEST(PendingChoice, TellsWhyThereIsNone) {
   p.pins.emplace_back();
   p.pins.back().region.min = p.pins.back().region.max = Vec3::Constant(1e3);
   PendingChoice choosing(p, test::strip(), 1, [] {});
-  ASSERT_TRUE(choosing.wait(kLong, kNever));
+  ASSERT_TRUE(choosing.wait(kLong, never));
   const PendingChoice::Made made = choosing.take();
   EXPECT_FALSE(made.simulation);
   EXPECT_NE(made.problem.find("pins"), std::string::npos) << made.problem;
