@@ -275,6 +275,14 @@ std::string quote(const std::string& text) {
 
 std::string toPrintable(const std::string& text) { return makePrintable(text, text.size(), "\n"); }
 
+// At the end of a clause, or at least of a word, if there is one in the second half.
+std::string cutLine(const std::string& line) {
+  const std::string cut = makePrintable(line, kMaxLine, "");
+  std::size_t at = cut.rfind("; ");
+  if (at == std::string::npos || at < kMaxLine / 2) at = cut.rfind(' ');
+  return (at == std::string::npos || at < kMaxLine / 2 ? cut : cut.substr(0, at)) + "...";
+}
+
 std::string toOneLine(const std::string& text) {
   std::string shown;
   std::size_t left_out = 0, begin = 0;
@@ -284,7 +292,7 @@ std::string toOneLine(const std::string& text) {
     begin = end + 1;
     if (line.empty()) continue;
     if (shown.empty()) {
-      shown = line.size() <= kMaxLine ? line : makePrintable(line, kMaxLine, "") + "...";
+      shown = line.size() <= kMaxLine ? line : cutLine(line);
     } else if (left_out == 0 && shown.size() + line.size() <= kMaxLine) {
       shown += "; " + line;
     } else {

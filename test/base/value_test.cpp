@@ -215,6 +215,9 @@ TEST(ToOneLine, JoinsLinesAndHasABound) {
   EXPECT_EQ(toOneLine(all), sentence + "; " + sentence + "; and 6 more");
   EXPECT_LE(toOneLine(std::string(100000, 'x')).size(), 410u);
   EXPECT_EQ(toOneLine(std::string(100000, 'x')).substr(400), "...");
+  const std::string words = std::string(250, 'a') + " b; c " + std::string(140, 'd') + " e";
+  EXPECT_EQ(toOneLine(words + "f; g"), std::string(250, 'a') + " b...");
+  EXPECT_EQ(toOneLine(std::string(300, 'a') + " " + std::string(150, 'b')), std::string(300, 'a') + "...");
 }
 
 TEST(FormatShort, GivesNoSignToWhatIsNoNumber) {

@@ -45,12 +45,14 @@ std::string sayNotFound(const simulation::AccuracyChoice& choice, double target,
     tried += (tried.empty() ? "" : ", ") + std::to_string(candidate.points) +
              (is_known ? ": " + formatShort(candidate.error) + " m" : ": not known");
   }
-  std::string sentence = "trials for accuracy.position_error found no number of points that is known to meet it (expected errors: " +
-                         tried + "), and the surface has its " + std::to_string(points) + " points, after ~reset, too";
-  if (points >= num_cloud) return sentence;
-  sentence += "; without accuracy.position_error, simplification.method: none simulates all";
-  const double work = expectWorkOfAll(choice, points, num_cloud);
-  return work > 0.0 ? sentence + ", which is expected to take " + formatShort(work) + " times the work" : sentence;
+  std::string sentence = "trials found no number of points that is known to meet accuracy.position_error; the surface has its " +
+                         std::to_string(points) + " points, after ~reset, too";
+  if (points < num_cloud) {
+    sentence += "; without accuracy.position_error, simplification.method: none simulates all";
+    const double work = expectWorkOfAll(choice, points, num_cloud);
+    if (work > 0.0) sentence += ", which is expected to take " + formatShort(work) + " times the work";
+  }
+  return sentence + "; errors expected in the trials, by points: " + tried;
 }
 
 PendingChoice::PendingChoice(const simulation::SceneParams& params, cloud::PointCloud cloud, int num_threads,

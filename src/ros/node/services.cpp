@@ -185,9 +185,14 @@ bool Services::perform(Response& response, const Work& work, bool ends_step) {
 bool Services::reset(std_srvs::TriggerResponse& response) {
   const auto work = [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    const std::size_t before = stepper_.snapshots().all().size();
     stepper_.reset();
     stepper_.show();
-    return "the surface is at rest at time 0";
+    const std::size_t dropped = before - stepper_.snapshots().all().size();
+    return "the surface is at rest at time 0" +
+           (dropped > 0 ? "; it is another one, which trials chose, and the snapshots of the one before (" +
+                              std::to_string(dropped) + ") are dropped"
+                        : std::string());
   };
   return perform(response, work, true);
 }

@@ -6,6 +6,13 @@
 #include <utility>
 
 namespace deformable_surface::node {
+namespace {
+
+std::string sayNext(bool has_snapshots) {
+  return std::string("~reset begins with what trials chose") + (has_snapshots ? ", and drops the snapshots" : "");
+}
+
+}  // namespace
 
 // The trials are of the surface from rest, without commands. One that had none, and was not paused (as for ~step), begins anew
 // at once: nothing of the user's is lost.
@@ -30,10 +37,9 @@ void Stepper::handleChoice() {
   }
   const std::string chosen = choice.sentence;
   if (!is_as_built_ || simulation_->wasCommanded() || was_paused_ || !snapshots_.all().empty()) {
-    warnings_.report(Warning::kNotice,
-                     "the surface goes on as it is, since it has had commands, a pause or snapshots; ~reset begins with what "
-                     "trials chose: " +
-                         chosen);
+    ROS_INFO_STREAM(warnings_.name() << ": the trials have ended; they chose: " << chosen);
+    warnings_.report(Warning::kNotice, "the surface goes on as it is, since it has had commands, a pause or snapshots; " +
+                                           sayNext(!snapshots_.all().empty()));
     return;
   }
   ROS_INFO_STREAM(warnings_.name() << ": the surface begins anew with what trials chose: " << chosen);
@@ -55,7 +61,8 @@ void Stepper::resetSurface() {
 std::string Stepper::describeAccuracy() const {
   const std::string& now = simulation_->accuracyChoice().sentence;
   if (choosing_) return now + "; trials go on in the background";
-  if (chosen_) return now + "; ~reset begins with what trials chose: " + chosen_->simulation->accuracyChoice().sentence;
+  if (chosen_)
+    return now + "; " + sayNext(!snapshots_.all().empty()) + ": " + chosen_->simulation->accuracyChoice().sentence;
   return trials_.empty() ? now : now + "; " + trials_;
 }
 
