@@ -63,8 +63,8 @@ RestSurface buildUntried(const SceneParams& params, const cloud::PointCloud& inp
   RestSurface rest = buildRestSurface(params, input, findCoarsest(params), [&](const RestSurface& full) {
     const Index n = static_cast<Index>(full.dense.positions.size());
     choice.points = std::min(n, countWanted(params, n));
-    choice.sentence = "accuracy.position_error " + formatReal(params.accuracy.position_error) + " m: not known to be met by " +
-                      sayPoints(choice.points, n) + ", as many as without it, untried";
+    choice.sentence = "accuracy.position_error " + formatReal(params.accuracy.position_error) + " m: begins with " +
+                      sayPoints(choice.points, n) + ", as many as without a target; whether they meet it is not known";
     return choice.points;
   });
   rest.notes.push_back(choice.sentence);

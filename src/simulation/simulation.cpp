@@ -64,10 +64,14 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
     dynamics().chooseIntegrator(choice.integrator);
   const ModelKind& kind = dynamics().kind();
-  if (params.contact.self.is_auto && kind.traits().meets_itself && !dynamics().loads().self_contact)
-    notes.push_back("contact.self: auto is off, and parts can pass through each other: " + dynamics().whyNoSelfContact() +
-                    "; true switches it on");
-  if (isSelfContactOffByChoice()) sayOfChoice("contact.self: auto is off with these points");
+  if (params.contact.self.is_auto && kind.traits().meets_itself && !dynamics().loads().self_contact) {
+    const std::string why = ", and parts can pass through each other: " + dynamics().whyNoSelfContact() + "; true switches it on";
+    if (isSelfContactOffByChoice()) {
+      sayOfChoice("contact.self: auto is off with these points" + why);
+    } else {
+      notes.push_back("contact.self: auto is off" + why);
+    }
+  }
   const std::string refused = kind.refuseEstimate(params);
   if (params.accuracy.estimate && !refused.empty())
     notes.push_back(std::string("no error estimate: model ") + kind.name() + " " + refused);

@@ -132,6 +132,9 @@ TEST(ChoiceByError, SaysThatSelfContactIsOffWithTheChosenPoints) {
   EXPECT_NE(s.accuracyChoice().sentence.find("; " + off), std::string::npos) << s.accuracyChoice().sentence;
   const std::vector<std::string>& notes = s.buildNotes();
   EXPECT_EQ(std::count(notes.begin(), notes.end(), s.accuracyChoice().sentence), 1);
+  const auto tells = [](const std::string& note) { return note.find("contact.self: auto is off") != std::string::npos; };
+  EXPECT_EQ(std::count_if(notes.begin(), notes.end(), tells), 1);
+  EXPECT_NE(s.accuracyChoice().sentence.find("; true switches it on"), std::string::npos) << s.accuracyChoice().sentence;
   p.accuracy.position_error = 0.0;
   const Simulation without(p, strip());
   for (const std::string& note : without.buildNotes()) EXPECT_EQ(note.find(off), std::string::npos) << note;

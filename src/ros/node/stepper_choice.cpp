@@ -8,8 +8,10 @@
 namespace deformable_surface::node {
 namespace {
 
-std::string sayNext(bool has_snapshots) {
-  return std::string("~reset begins with what trials chose") + (has_snapshots ? ", and drops the snapshots" : "");
+std::string sayNext(bool has_snapshots, bool has_other_values) {
+  return std::string("~reset begins with what trials chose") +
+         (has_other_values ? " for the values before the last change or ~restore" : "") +
+         (has_snapshots ? ", and drops the snapshots" : "");
 }
 
 }  // namespace
@@ -39,7 +41,7 @@ void Stepper::handleChoice() {
   if (!is_as_built_ || simulation_->wasCommanded() || was_paused_ || !snapshots_.all().empty()) {
     ROS_INFO_STREAM(warnings_.name() << ": the trials have ended; they chose: " << chosen);
     warnings_.report(Warning::kNotice, "the surface goes on as it is, since it has had commands, a pause or snapshots; " +
-                                           sayNext(!snapshots_.all().empty()));
+                                           sayNext(!snapshots_.all().empty(), params_revision_ != chosen_revision_));
     return;
   }
   ROS_INFO_STREAM(warnings_.name() << ": the surface begins anew with what trials chose: " << chosen);
@@ -62,7 +64,7 @@ std::string Stepper::describeAccuracy() const {
   const std::string& now = simulation_->accuracyChoice().sentence;
   if (choosing_) return now + "; trials go on in the background";
   if (chosen_)
-    return now + "; " + sayNext(!snapshots_.all().empty()) + ": " + chosen_->simulation->accuracyChoice().sentence;
+    return now + "; " + sayNext(!snapshots_.all().empty(), params_revision_ != chosen_revision_) + ": " + chosen_->simulation->accuracyChoice().sentence;
   return trials_.empty() ? now : now + "; " + trials_;
 }
 

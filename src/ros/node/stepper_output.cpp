@@ -118,7 +118,8 @@ StepperStatus Stepper::status() const {
   } else if (isBuilding()) {
     status.state = "building a surface";
   }
-  if (simulation_ && isBuilding()) status.state += ", while another surface is built";
+  if (isBuilding() && simulation_) status.state += ", while another surface is built";
+  if (isBuilding() && !simulation_ && is_paused_) status.state += ", while a surface is built";
   return status;
 }
 

@@ -4,11 +4,13 @@
 
 #include "deformable_surface/Snapshot.h"
 
+#include <dynamic_reconfigure/Reconfigure.h>
+
 namespace deformable_surface::node::test {
 namespace {
 
 constexpr double kLongest = 90.0;  // s, for trials on a busy machine
-const std::string kUntried = "not known to be met by 1000 of 3600 points";
+const std::string kUntried = "begins with 1000 of 3600 points, as many as without a target";
 
 class AccuracyNodeTest : public ::testing::Test {
  protected:
@@ -110,6 +112,28 @@ TEST_F(AccuracyNodeTest, SaysThatAResetDropsSnapshots) {
             "the surface is at rest at time 0; it is another one, which trials chose, and the snapshots of the one before (1) are "
             "dropped");
   EXPECT_EQ(client_->reset().message, "the surface is at rest at time 0");
+}
+
+TEST_F(AccuracyNodeTest, SaysThatTrialsDidNotKnowChangedValues) {
+  start("0.0");
+  ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
+  dynamic_reconfigure::Reconfigure change;
+  change.request.config.doubles.resize(1);
+  change.request.config.doubles[0].name = "material.damping";
+  change.request.config.doubles[0].value = 2.0;
+  ASSERT_TRUE(ros::service::call("/surface/set_parameters", change)) << process_->output();
+  EXPECT_TRUE(waitForAccuracy("~reset begins with what trials chose for the values before the last change or ~restore: accuracy"))
+      << process_->output();
+}
+
+TEST_F(AccuracyNodeTest, ADiagnosisInAPauseTellsOfTheFirstSurface) {
+  start("1000.0", "0.02", "100.0");
+  client_->publish(cloud_);
+  ASSERT_TRUE(waitUntil([&] { return process_->output().find("has been under construction") != std::string::npos; }))
+      << process_->output();
+  ASSERT_TRUE(client_->pause(true).success);
+  EXPECT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "paused, while a surface is built"; }))
+      << client_->diagnosticText("state");
 }
 
 TEST_F(AccuracyNodeTest, APatientNodeBeginsWithTheChosenSurface) {
