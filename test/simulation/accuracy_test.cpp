@@ -40,9 +40,10 @@ TEST(AccuracyChoice, UntriedIsAThousandPointsWithTheTargetOfWhichNothingIsKnown)
   EXPECT_FALSE(choice.is_met);
   EXPECT_TRUE(choice.candidates.empty());
   EXPECT_EQ(choice.points, 1000);
-  EXPECT_EQ(choice.sentence,
-            "accuracy.position_error 0.001 m: begins with 1000 of 1600 points, as many as without a target; whether they meet it is "
-            "not known");
+  EXPECT_EQ(
+      choice.sentence,
+      "accuracy.position_error 0.001 m: begins with 1000 of 1600 points, as many as without a target; whether they meet it is "
+      "not known");
   EXPECT_EQ(s.buildNotes().back(), choice.sentence);
   EXPECT_EQ(s.params().accuracy.position_error, 1e-3);
   EXPECT_EQ(s.state().size(), 1000);

@@ -17,8 +17,8 @@
 
 namespace deformable_surface::node {
 
-/// Whether trials found that this choice meets the target (m), or a trial of it stayed below the target without a bound. Otherwise
-/// a live surface does not begin with it: it may be far slower, and nothing is known of its error.
+/// Whether trials found that this choice meets the target (m), or a trial of it stayed below the target without a bound.
+/// Otherwise a live surface does not begin with it: it may be far slower, and nothing is known of its error.
 bool isFound(const simulation::AccuracyChoice& choice, double target);
 /// For a choice that is not found: what was tried, that a surface of this many points has its place, and how to simulate all.
 /// num_cloud: of the cloud.

@@ -64,7 +64,8 @@ std::string Stepper::describeAccuracy() const {
   const std::string& now = simulation_->accuracyChoice().sentence;
   if (choosing_) return now + "; trials go on in the background";
   if (chosen_)
-    return now + "; " + sayNext(!snapshots_.all().empty(), params_revision_ != chosen_revision_) + ": " + chosen_->simulation->accuracyChoice().sentence;
+    return now + "; " + sayNext(!snapshots_.all().empty(), params_revision_ != chosen_revision_) + ": " +
+           chosen_->simulation->accuracyChoice().sentence;
   return trials_.empty() ? now : now + "; " + trials_;
 }
 

@@ -26,8 +26,8 @@ model: mass_spring
 material: {young_modulus: 1.0e6, thickness: 0.001, damping: 1.0}
 gravity: [0, 0, -1]
 pins: [{box: {min: [-1, -1, -1], max: [0.021, 1, 1]}}]
-accuracy: {remember: false, position_error: )" + target + ", patience: " +
-                                                             patience + "}\nduration: " + duration + "\n");
+accuracy: {remember: false, position_error: )" + target +
+                                                             ", patience: " + patience + "}\nduration: " + duration + "\n");
     client_ = std::make_unique<NodeClient>("/surface");
     ASSERT_TRUE(client_->waitForNode()) << process_->output();
   }
@@ -108,9 +108,10 @@ TEST_F(AccuracyNodeTest, SaysThatAResetDropsSnapshots) {
   EXPECT_NE(process_->output().find("snapshots; ~reset begins with what trials chose, and drops the snapshots"),
             std::string::npos)
       << process_->output();
-  EXPECT_EQ(client_->reset().message,
-            "the surface is at rest at time 0; it is another one, which trials chose, and the snapshots of the one before (1) are "
-            "dropped");
+  EXPECT_EQ(
+      client_->reset().message,
+      "the surface is at rest at time 0; it is another one, which trials chose, and the snapshots of the one before (1) are "
+      "dropped");
   EXPECT_EQ(client_->reset().message, "the surface is at rest at time 0");
 }
 

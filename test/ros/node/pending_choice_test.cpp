@@ -83,8 +83,9 @@ TEST(PendingChoice, SaysWhatWasTriedAndWhatAllPointsCost) {
   const std::string begin =
       "trials found no number of points that is known to meet accuracy.position_error; the surface has its 1000 points, after "
       "~reset, too; without accuracy.position_error, simplification.method: none simulates all";
-  EXPECT_EQ(sayNotFound(choice, 1e-3, 1000, 4000), begin + ", which is expected to take 8 times the work; errors expected in the "
-                                                           "trials, by points: 128: 0.003 m");
+  EXPECT_EQ(sayNotFound(choice, 1e-3, 1000, 4000), begin +
+                                                       ", which is expected to take 8 times the work; errors expected in the "
+                                                       "trials, by points: 128: 0.003 m");
   choice.points = 128;
   choice.candidates[0].error = 1e-4;
   EXPECT_EQ(sayNotFound(choice, 1e-3, 1000, 4000), begin + "; errors expected in the trials, by points: 128: not known");
