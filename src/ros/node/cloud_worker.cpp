@@ -153,7 +153,7 @@ void CloudWorker::build(CloudWork& work, CloudResult& result) const {
     const auto ends = [&] { return inbox_.isClosed() || (is_replaceable && hasArrived()); };
     if (choosing->wait(accuracy.patience, ends)) {
       PendingChoice::Made made = choosing->take();
-      if (!made.simulation || isFound(made.simulation->accuracyChoice(), accuracy.position_error)) {
+      if (!made.problem.empty() || isFound(made.simulation->accuracyChoice(), accuracy.position_error)) {
         result.problem = std::move(made.problem);
         result.simulation = std::move(made.simulation);
         result.viewer = std::move(made.viewer);
