@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kLongest = 90.0;  // s, for trials on a busy machine
 const std::string kUntried = "begins with 1000 of 3600 points, as many as without a target";
+const std::string kLongTrials = "4.0";  // s of simulated time: commands come before they end
 
 class AccuracyNodeTest : public ::testing::Test {
  protected:
@@ -53,7 +54,7 @@ TEST_F(AccuracyNodeTest, TheChosenSurfaceBeginsAnewWhereNoCommandCame) {
 }
 
 TEST_F(AccuracyNodeTest, ACommandKeepsTheSurfaceUntilAReset) {
-  start("0.0");
+  start("0.0", "0.01", kLongTrials);
   ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
   ASSERT_TRUE(client_->pause(true).success);
   SelectRegionRequest corner;
@@ -68,7 +69,7 @@ TEST_F(AccuracyNodeTest, ACommandKeepsTheSurfaceUntilAReset) {
 }
 
 TEST_F(AccuracyNodeTest, APausedSurfaceStaysUntilAReset) {
-  start("0.0");
+  start("0.0", "0.01", kLongTrials);
   ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
   ASSERT_TRUE(client_->pause(true).success);
   const double before = client_->step(1).simulation_time;
@@ -99,7 +100,7 @@ TEST_F(AccuracyNodeTest, ALiveSurfaceStaysWhereNoNumberOfPointsIsFound) {
 }
 
 TEST_F(AccuracyNodeTest, SaysThatAResetDropsSnapshots) {
-  start("0.0");
+  start("0.0", "0.01", kLongTrials);
   ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
   Snapshot snapshot;
   snapshot.request.name = "before";
@@ -116,7 +117,7 @@ TEST_F(AccuracyNodeTest, SaysThatAResetDropsSnapshots) {
 }
 
 TEST_F(AccuracyNodeTest, SaysThatTrialsDidNotKnowChangedValues) {
-  start("0.0");
+  start("0.0", "0.01", kLongTrials);
   ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
   dynamic_reconfigure::Reconfigure change;
   change.request.config.doubles.resize(1);
