@@ -105,8 +105,7 @@ TEST(PiercingWatch, BallsOfTheLeastWidthTurnASphereIntoATorus) {
   }
 }
 
-// A small ball presses on a sheet from above, goes around its edge and presses from below.
-TEST(PiercingWatch, ABallThatGoesAroundTheEdgeIsNotTold) {
+SceneParams makeSheetScene() {
   SceneParams p;
   p.model = "oriented_particles";
   p.cloud.shape = simulation::CloudParams::Shape::kLattice;
@@ -120,6 +119,24 @@ TEST(PiercingWatch, ABallThatGoesAroundTheEdgeIsNotTold) {
   pin.region.min = Vec3(-1.0, -1.0, -1.0);
   pin.region.max = Vec3(-0.1, 1.0, 1.0);
   p.pins = {pin};
+  return p;
+}
+
+// A ball presses on a sheet from below, is taken away, and one of the same name presses from above.
+TEST(PiercingWatch, ABallThatIsPutOnTheOtherSideIsNotTold) {
+  Simulation s(makeSheetScene(), io::makeShape(makeSheetScene().cloud));
+  std::string notices;
+  for (const double side : {-1.0, 1.0}) {
+    s.setTool(ball("ball", 0.05, Vec3(0.0, 0.0, side * 0.045), Vec3(0.0, 0.0, side * 0.045), 0.1));
+    notices += runAll(s, s.time() + 0.3);
+    EXPECT_GT(simulation::computeQuantity("touching", s), 0.0);
+  }
+  EXPECT_EQ(countOf(notices, "gone through"), 0) << notices;
+}
+
+// A small ball presses on a sheet from above, goes around its edge and presses from below.
+TEST(PiercingWatch, ABallThatGoesAroundTheEdgeIsNotTold) {
+  SceneParams p = makeSheetScene();
   const Vec4 unturned(0.0, 0.0, 0.0, 1.0);
   tool::ToolParams tool = ball("ball", 0.05, Vec3(0.0, 0.0, 0.1), Vec3(0.0, 0.0, 0.045), 0.1);
   for (const auto& [time, place] :

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "../../tool_reach.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -28,6 +30,9 @@ std::vector<const tool::ToolParams*> PiercingWatch::look(double time, const std:
   for (const tool::ToolParams& tool : tools) {
     if (tool.mode != tool::Mode::kSolid || tool.shape.kind == geometry::Solid::Kind::kPlane) continue;
     Side& side = sides_[tool.id];
+    const Vec3 origin = tool::interpolate(tool.path, time).position;
+    // Another one of this name, or one that was put elsewhere.
+    if (!((origin - std::exchange(side.place, origin)).norm() <= 0.5 * findWidth(tool.shape))) side.sign = 0.0;
     double nearest = std::numeric_limits<double>::infinity();
     if (tool::isActive(tool, time)) {
       const tool::Pose pose = tool::interpolate(tool.path, time);
@@ -44,7 +49,6 @@ std::vector<const tool::ToolParams*> PiercingWatch::look(double time, const std:
     if (!touches && side.sign == 0.0) continue;
     double sum = 0.0, count = 0.0;
     if (std::isfinite(nearest)) {
-      const Vec3 origin = tool::interpolate(tool.path, time).position;
       const double reach = std::max(disc, nearest + disc);
       for (Index i = 0; i < state.size(); ++i) {
         if (!(distances_[i] <= reach)) continue;

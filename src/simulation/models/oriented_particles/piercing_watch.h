@@ -16,13 +16,15 @@ class PiercingWatch {
   void reset() { sides_.clear(); }
 
   /// At a time, s. Returns the tools that have come to the other side of the particles that they touch (within half a spacing, m)
-  /// since the last look, without leaving the surface in between; each until the next reset once. O(n) for each solid tool.
+  /// since the last look, without leaving the surface in between; each until the next reset once. One that has moved by more than
+  /// half its width in between was put there. O(n) for each solid tool.
   std::vector<const tool::ToolParams*> look(double time, const std::vector<tool::ToolParams>& tools, const model::State& state,
                                             double spacing);
 
  private:
   struct Side {
     double sign = 0.0;  // of the side of the surface that the tool's origin is on; 0: the tool touches nothing, or is between
+    Vec3 place = Vec3::Zero();  // m, of the tool's origin at the last look
     bool is_told = false;
   };
   std::map<std::string, Side> sides_;  // by the tool's name
