@@ -30,12 +30,12 @@ std::vector<const tool::ToolParams*> PiercingWatch::look(double time, const std:
   for (const tool::ToolParams& tool : tools) {
     if (tool.mode != tool::Mode::kSolid || tool.shape.kind == geometry::Solid::Kind::kPlane) continue;
     Side& side = sides_[tool.id];
-    const Vec3 origin = tool::interpolate(tool.path, time).position;
+    const tool::Pose pose = tool::interpolate(tool.path, time);
+    const Vec3& origin = pose.position;
     // Another one of this name, or one that was put elsewhere.
     if (!((origin - std::exchange(side.place, origin)).norm() <= 0.5 * findWidth(tool.shape))) side.sign = 0.0;
     double nearest = std::numeric_limits<double>::infinity();
     if (tool::isActive(tool, time)) {
-      const tool::Pose pose = tool::interpolate(tool.path, time);
       distances_.clear();
       for (Index i = 0; i < state.size(); ++i) {
         endIfInterrupted(i, kLook);
