@@ -11,7 +11,11 @@ namespace deformable_surface::cloud {
 /// The k smallest neighbours seen so far, sorted. For a few dozen neighbours insertion is faster than a heap.
 class KNearest {
  public:
-  KNearest(Index k, std::vector<Neighbor>& out) : k_(static_cast<std::size_t>(k)), out_(out) { out_.clear(); }
+  /// squared_reach: m^2, of the farthest neighbour that counts.
+  KNearest(Index k, std::vector<Neighbor>& out, double squared_reach = std::numeric_limits<double>::infinity())
+      : k_(static_cast<std::size_t>(k)), out_(out), bound_(squared_reach) {
+    out_.clear();
+  }
 
   double bound() const { return bound_; }
 
@@ -33,7 +37,7 @@ class KNearest {
  private:
   std::size_t k_;
   std::vector<Neighbor>& out_;
-  double bound_ = std::numeric_limits<double>::infinity();
+  double bound_;
 };
 
 }  // namespace deformable_surface::cloud

@@ -194,9 +194,10 @@ void KdTree::search(const Vec3& query, Results& results) const {
   }
 }
 
-void KdTree::nearest(const Vec3& query, Index k, std::vector<Neighbor>& out) const {
+void KdTree::nearest(const Vec3& query, Index k, std::vector<Neighbor>& out, double reach) const {
   if (k < 0) throw InputError("kd-tree: k is " + std::to_string(k) + "; it must be 0 or more");
-  KNearest results(k, out);
+  if (!(reach >= 0.0)) throw InputError("kd-tree: the reach is " + std::to_string(reach) + " m; it must be 0 or more");
+  KNearest results(k, out, reach * reach);
   if (k > 0) search(query, results);
 }
 

@@ -60,10 +60,10 @@ std::vector<Index> findAlmostSame(const KdTree& tree, const Points& points, doub
     std::vector<Neighbor> near;
     for (Index k = begin; k < end; ++k) {
       const Index i = tree.order()[k];
-      tree.nearest(points[i], 2, near);
+      tree.nearest(points[i], 2, near, kAlmost * spacing);
+      if (near.size() < 2) continue;
       const Neighbor j = near[near[0].index == i ? 1 : 0];
       const double distance = std::sqrt(j.squared_distance);
-      if (distance > kAlmost * spacing) continue;
       if (distance <= kSame * spacing ||
           distance <= kAlmost * std::min(findSpacing(tree, points[i], near), findSpacing(tree, points[j.index], near)))
         same[i] = j.index;

@@ -102,6 +102,21 @@ TEST(KdTree, AgreesWithFullSearchOnLine) {
 }
 TEST(KdTree, AgreesWithFullSearchWhenAllCoincide) { compareWithFullSearch(Points(300, Vec3(1.0, 2.0, 3.0))); }
 
+TEST(KdTree, FindsTheNearestWithinReach) {
+  const Points points = makeRandomPoints(1000, 1.0, 4);
+  const KdTree tree(points);
+  std::vector<Neighbor> all, found;
+  tree.nearest(points[3], 8, all);
+  for (Index within = 1; within < 8; ++within) {
+    tree.nearest(points[3], 8, found,
+                 0.5 * (std::sqrt(all[within - 1].squared_distance) + std::sqrt(all[within].squared_distance)));
+    ASSERT_EQ(within, static_cast<Index>(found.size()));
+    for (Index k = 0; k < within; ++k) EXPECT_EQ(all[k].index, found[k].index);
+  }
+  tree.nearest(points[3], 3, found, 10.0);
+  EXPECT_EQ(3u, found.size());
+}
+
 TEST(KdTree, IsEmptyWithoutPoints) {
   const KdTree tree{Points()};
   std::vector<Neighbor> found(3);
@@ -148,6 +163,7 @@ TEST(KdTree, RefusesWhatItCannotAnswer) {
   KdTree tree(makeRandomPoints(30, 1.0, 1));
   std::vector<Neighbor> found;
   EXPECT_THROW(tree.nearest(Vec3::Zero(), -1, found), InputError);
+  EXPECT_THROW(tree.nearest(Vec3::Zero(), 1, found, -1.0), InputError);
   EXPECT_THROW(tree.withinRadius(Vec3::Zero(), -1.0, found), InputError);
   EXPECT_THROW(tree.withinRadius(Vec3::Zero(), std::nan(""), found), InputError);
   EXPECT_THROW(tree.remove(30), InputError);

@@ -4,6 +4,8 @@
 
 #include "deformable_surface/base/types.h"
 
+#include <limits>
+
 namespace deformable_surface::cloud {
 
 /// A neighbour: squared distance (m^2), then index; the order of results.
@@ -21,9 +23,10 @@ class KdTree {
   /// points (n x 3), finite. Copies them in the tree's own order. O(n log n).
   explicit KdTree(const Points& points);
 
-  /// The min(k, alive) nearest alive points to query, nearest first. If the query is a point, it is among them. out is
-  /// overwritten. O(log n + k log k).
-  void nearest(const Vec3& query, Index k, std::vector<Neighbor>& out) const;
+  /// The k nearest alive points to query within reach (m; closed ball), nearest first; fewer if there are not as many. If the
+  /// query is a point, it is among them. out is overwritten. O(log n + k log k).
+  void nearest(const Vec3& query, Index k, std::vector<Neighbor>& out,
+               double reach = std::numeric_limits<double>::infinity()) const;
 
   /// All alive points within radius (closed ball), nearest first.
   void withinRadius(const Vec3& query, double radius, std::vector<Neighbor>& out) const;
