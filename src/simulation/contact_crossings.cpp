@@ -98,6 +98,23 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
   return true;
 }
 
+// Whether a place is within a closed surface, by its winding number [Van Oosterom and Strackee 1983].
+bool isWithin(const Vec3& place, const std::vector<model::WeightedTriangle>& triangles, const Points& positions) {
+  Vec3 low = positions[0], high = positions[0];
+  for (const Vec3& p : positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  if ((place.array() < low.array()).any() || (place.array() > high.array()).any()) return false;
+  double number = 0.0;
+  for (const model::WeightedTriangle& t : triangles) {
+    const Vec3 a = positions[t.corner[0]] - place, b = positions[t.corner[1]] - place, c = positions[t.corner[2]] - place;
+    const double u = a.norm(), v = b.norm(), w = c.norm();
+    number += t.weight / (2.0 * kPi) * std::atan2(a.dot(b.cross(c)), u * v * w + w * a.dot(b) + u * b.dot(c) + v * c.dot(a));
+  }
+  return number > 0.5;
+}
+
 }  // namespace
 
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
@@ -157,14 +174,16 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
 }
 
 std::string ContactLoad::endStep(double time, double step, const model::State& state, const std::vector<char>& held,
-                                 const std::vector<model::WeightedTriangle>& triangles) {
+                                 const std::vector<model::WeightedTriangle>& triangles, bool is_body) {
   std::string notice;
   gone_through_.clear();
   forgetTouches();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
     if (!passes(body)) continue;
+    const bool had_passed = !body.passed.empty();
     const Moments moments = listMoments(body.tool, time, step);
+    const Pose &from = moments.all[0].pose, &to = moments.all[moments.count - 1].pose;
     scratch_.clear();
     scratch_.reserve(state.size());
     auto passed = body.passed.begin();
@@ -175,30 +194,35 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
         ++passed;
       } else if (!held[i]) {
         if (const std::optional<Entry> entry = findCrossing(body.tool, moments, before_[i], state.positions[i]))
-          scratch_.push_back(
-              findPassed(i, *entry, body.tool, moments.all[moments.count - 1].pose, state.positions[i], time + step));
+          scratch_.push_back(findPassed(i, *entry, body.tool, to, state.positions[i], time + step));
       }
     }
     body.passed.swap(scratch_);
 
-    // A tool that passes between the points: its origin goes through a triangle.
+    // A tool that passes between the points: its origin goes through a triangle, or comes into a body.
     const auto isPassed = [&](Index i) {
       return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},
                                 [](const Passed& a, const Passed& b) { return a.point < b.point; });
     };
-    for (const model::WeightedTriangle& t : triangles) {
+    const auto isLeft = [&](const model::WeightedTriangle& t) {
       const Vec3 before[3] = {before_[t.corner[0]], before_[t.corner[1]], before_[t.corner[2]]};
       const Vec3 after[3] = {state.positions[t.corner[0]], state.positions[t.corner[1]], state.positions[t.corner[2]]};
-      if (!wentThrough(moments.all[0].pose.position, moments.all[moments.count - 1].pose.position, before, after)) continue;
-      if (isPassed(t.corner[0]) || isPassed(t.corner[1]) || isPassed(t.corner[2])) continue;
-      gone_through_ = body.tool.id;
-      if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) break;
-      appendNotice(notice,
-                   "tool " + quote(body.tool.id) +
-                       " has passed through the surface: it is narrower than the distance of the points that touch tools");
-      reported_.push_back(body.tool.id);
-      break;
-    }
+      return wentThrough(from.position, to.position, before, after) && !isPassed(t.corner[0]) && !isPassed(t.corner[1]) &&
+             !isPassed(t.corner[2]);
+    };
+    // Triangles of a skin that is pierced may turn over within a step, so that they cannot be followed one by one.
+    const auto hasComeIn = [&] {
+      return body.passed.empty() && isWithin(to.position, triangles, state.positions) &&
+             (had_passed || !isWithin(from.position, triangles, before_));
+    };
+    if (!(is_body ? hasComeIn() : std::any_of(triangles.begin(), triangles.end(), isLeft))) continue;
+    gone_through_ = body.tool.id;
+    if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) continue;
+    appendNotice(notice, "tool " + quote(body.tool.id) + " has passed through the surface" +
+                             (is_body ? ", between the points of the body; friction on the tool, a wider tool or more points may "
+                                        "prevent it"
+                                      : ": it is narrower than the distance of the points that touch tools"));
+    reported_.push_back(body.tool.id);
   }
   return notice;
 }

@@ -225,6 +225,7 @@ class Dynamics {
   solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
   void settleContact(double now, solve::TimeMarch::Outcome& taken);
   std::string describeGrazing(double now);
+  const std::vector<model::WeightedTriangle>& outside();
   std::string endUntangling(double dt);
   static void refuse(const std::string& why, Outcome& outcome);
   bool beginElsewhere(const Request& request);
@@ -282,10 +283,11 @@ class Dynamics {
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // another: replaces auto, from each reset on
     model::MaterialParams made;                                       // the material that the model was made with
   } chosen_;
-  bool has_between_ = false;                  // the contact's points between simulation points were asked for
-  bool has_load_points_ = false;              // those that carry forces with a radius were asked for
-  Index num_links_ = 0;                       // as the model was made
-  std::vector<model::PointMaterial> shares_;  // values_ as given to the model; empty: as it was made
+  std::optional<std::vector<model::WeightedTriangle>> skin_;  // of a body: see outside()
+  bool has_between_ = false;                                  // the contact's points between simulation points were asked for
+  bool has_load_points_ = false;                              // those that carry forces with a radius were asked for
+  Index num_links_ = 0;                                       // as the model was made
+  std::vector<model::PointMaterial> shares_;                  // values_ as given to the model; empty: as it was made
   Index fineness_ = 1;
   const std::atomic<bool>* interrupt_ = nullptr;
   CutFollower* cut_follower_ = nullptr;

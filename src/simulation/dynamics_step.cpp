@@ -135,7 +135,8 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   outcome.search_seconds = search_timer.seconds();
   if (!contact.isEmpty()) {
     const Timer contact_timer;
-    appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, trianglesOf(*model_)));
+    const std::vector<model::WeightedTriangle>& triangles = outside();
+    appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, triangles, skin_.has_value()));
     points.escaped.clear();
     appendNotice(outcome.notice, describeGrazing(now + dt));
     outcome.contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part_ ? part_->takeContactSeconds() : 0.0);
@@ -238,6 +239,17 @@ std::string Dynamics::describeGrazing(double now) {
          " without touching it, " + formatShort(found.gap) +
          " m above points that have no thickness (material.thickness: " + formatShort(params_.material.thickness) +
          "); to push the surface along, it must reach below them";
+}
+
+// The triangles that a tool passes through where it comes between the points: those of the model, or around a body in space.
+const std::vector<model::WeightedTriangle>& Dynamics::outside() {
+  const std::vector<model::WeightedTriangle>& triangles = trianglesOf(*model_);
+  const auto mayPass = [](const tool::ToolParams& tool) {
+    return tool.mode == tool::Mode::kSolid && tool.shape.kind != geometry::Solid::Kind::kPlane;
+  };
+  if (!triangles.empty() || !rest_->across.isZero(0.0) || std::none_of(tools_.begin(), tools_.end(), mayPass)) return triangles;
+  if (!skin_) skin_ = kind_.findSkin(*rest_, *model_);
+  return *skin_;
 }
 
 void Dynamics::beginToolContact(double now, double dt, Outcome& outcome) {

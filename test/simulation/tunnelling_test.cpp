@@ -2,6 +2,7 @@
 #include "clouds.h"
 #include "deformable_surface/simulation/contact_load.h"
 #include "energy_rise.h"
+#include "model/solids.h"
 #include "support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -151,6 +152,38 @@ TEST(Tunnelling, ANeedleThatFindsItsWayBetweenThePointsIsReportedOnce) {
       ++told;
   }
   EXPECT_EQ(told, 1);
+}
+
+// Pressed less deep, it dents the body.
+TEST(Tunnelling, ABallThatComesIntoABodyIsReportedOnce) {
+  simulation::SceneParams p;
+  p.model = "elastic_solid";
+  p.material.young_modulus = 2e4;
+  p.material.damping = 5.0;
+  p.gravity.setZero();
+  p.accuracy.estimate = false;
+  p.integrator.time_step = 0.005;
+  p.pins.resize(1);
+  p.pins[0].region.max = Vec3(1.0, 1.0, 0.001);
+  p.pins[0].region.min = Vec3(-1.0, -1.0, -1.0);
+  cloud::PointCloud block;
+  block.positions = makeBox(11, 11, 6, 0.02, 0.1);
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.03;
+  for (const double end : {0.05, 0.1}) {
+    ball.path = {{0.0, Vec3(0.1, 0.1, 0.13), Vec4(0.0, 0.0, 0.0, 1.0)}, {0.5, Vec3(0.1, 0.1, end), Vec4(0.0, 0.0, 0.0, 1.0)}};
+    p.tools = {ball};
+    simulation::Simulation s(p, block);
+    int told = 0;
+    for (int k = 0; k < 120; ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << outcome.problem;
+      told +=
+          outcome.notice.find("tool 'ball' has passed through the surface, between the points of the body") != std::string::npos;
+    }
+    EXPECT_EQ(told, end < 0.1 ? 1 : 0);
+  }
 }
 
 // Points that come in by a side of the box and come out over its edge, and points between that are chosen there. Nothing damps.

@@ -142,9 +142,10 @@ class ContactLoad : public solve::ExternalLoad {
   /// Tools that have not acted yet take the arrivals of those with the same id in other: a copy with fewer points would find
   /// different ones.
   void adoptArrivals(const ContactLoad& other);
-  /// After a step: adds the points that were passed over although beginStep() did not predict it. Returns a notice for the user.
+  /// After a step: adds the points that were passed over although beginStep() did not predict it. triangles: of the surface, or
+  /// around a body. Returns a notice for the user.
   std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held,
-                      const std::vector<model::WeightedTriangle>& triangles);
+                      const std::vector<model::WeightedTriangle>& triangles, bool is_body);
   /// The id of a tool that has gone through the surface between the points in the last step; empty: none.
   const std::string& goneThrough() const { return gone_through_; }
   /// Whether tools that appear in the surface arrive. If not, as for equilibria, they are in place at once. Default: they arrive.
