@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Draws run time against error, one panel a scene, from the CSV of `scripts/benchmark --accuracy`.
-  draw_fronts.py accuracy.csv PICTURE.png"""
+  draw_fronts.py accuracy.csv PICTURE.png [PREFIX]
+PREFIX: only scenes whose names begin so."""
 import csv
 import math
 import sys
@@ -43,16 +44,21 @@ def draw_scene(axes, name, rows):
 
 
 def main():
-    if len(sys.argv) != 3:
+    if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
+    prefix = "".join(sys.argv[3:])
     with open(sys.argv[1], newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+        rows = [r for r in csv.DictReader(file) if r["scene"].startswith(prefix)]
     scenes = list(dict.fromkeys(r["scene"] for r in rows))
+    if not scenes:
+        sys.exit("draw_fronts.py: %s: no scene whose name begins with '%s'" % (sys.argv[1], prefix))
     columns, lines = min(3, len(scenes)), -(-len(scenes) // 3)
     height = 4.0 * lines + 0.6  # inches, the legend with it
     figure, axes = plt.subplots(lines, columns, figsize=(4.2 * columns, height), squeeze=False)
     for panel, scene in zip(axes.flat, scenes):
         draw_scene(panel, scene, [r for r in rows if r["scene"] == scene])
+    for panel in axes.flat[len(scenes):]:
+        panel.set_axis_off()
     used = [m for m in COLOURS if any(r["method"] == m for r in rows)]
     handles = [plt.Line2D([], [], linestyle="", marker="*" if m == "default" else "o", color=COLOURS[m], label=m) for m in used]
     handles.append(plt.Line2D([], [], linestyle="", marker="o", color="grey", markerfacecolor="none", label="not sound"))
