@@ -34,6 +34,12 @@ void SelfContact::keepWhole(const std::vector<char>& is_whole) {
   forgetNear();
 }
 
+void SelfContact::setRate(double rate) {
+  if (rate == params_.rate) return;
+  params_.rate = rate;
+  forgetNear();
+}
+
 void SelfContact::forgetNear() {
   near_.clear();
   measured_at_.clear();

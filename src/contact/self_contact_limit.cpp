@@ -45,7 +45,9 @@ SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& 
   approach.num_first = pair.numFirst();
   approach.pushed.fill(0.0);
   approach.normal = near.closest.gap / near.distance;
-  approach.room = kOfRoom * std::max(0.0, near.distance - kLeast * pair.thickness);
+  const auto roomTo = [&](double least) { return kOfRoom * std::max(0.0, near.distance - least * pair.thickness); };
+  approach.room = roomTo(kLeast);
+  approach.spare = roomTo(kFloor) - approach.room;
   for (int v = 0; v < 4; ++v) {
     const bool is_first = v < approach.num_first;
     double behind = 0.0;
@@ -188,7 +190,7 @@ void SelfContact::stopTogether() {
     parallelFor(static_cast<Index>(approaches_.size()), kBlock, [&](Index begin, Index end) {
       for (Index k = begin; k < end; ++k) {
         const auto& [a, b, c, d] = approaches_[k].vertices;
-        is_stopped_[k] = findExcess(approaches_[k], {ways_[a], ways_[b], ways_[c], ways_[d]}) > kRounding;
+        is_stopped_[k] = findExcess(approaches_[k], {ways_[a], ways_[b], ways_[c], ways_[d]}) > approaches_[k].spare + kRounding;
       }
     });
     for (std::size_t k = 0; k < approaches_.size(); ++k) {

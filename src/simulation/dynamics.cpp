@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kContactRate = 0.45;     // of the highest frequency at rest: its square then grows by a fifth at most
 constexpr double kSelfContactRate = 0.1;  // the same: a point may be in contact with many triangles and edges
+constexpr double kBornePerSpring = 2.0;  // layers of the surface that a spring of contact bears: eight on four springs of a point
 
 Index nearestPoint(const Points& points, const Vec3& to) {
   Index nearest = 0;
@@ -249,8 +250,11 @@ void Dynamics::setContactRate(double rate) {
   loads_.contact.setRate(rate);
   const ModelTraits& traits = kind_.traits();
   loads_.contact.setStiffening(traits.contact_stiffening);
-  if (loads_.self_contact)
-    loads_.self_contact->contact.setRate(std::sqrt(traits.self_contact_stiffening) * kSelfContactRate / kContactRate * rate);
+  if (!loads_.self_contact) return;
+  contact::SelfContact& contact = loads_.self_contact->contact;
+  // Soft layers that lie on each other would rest where contact limits motion, at half of the thickness.
+  const double bearing = std::sqrt(2.0 * kBornePerSpring * loads_.gravity.gravity.norm() / contact.pairs().thickness());
+  contact.setRate(std::max(std::sqrt(traits.self_contact_stiffening) * kSelfContactRate / kContactRate * rate, bearing));
 }
 
 // Contact as stiff as the surface's own stiffest motion at rest: the stable step then stays nearly the same. Done once,

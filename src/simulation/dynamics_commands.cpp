@@ -160,6 +160,7 @@ Changes Dynamics::perform(const command::SetGravity& c) {
   Changes changes;
   changes.done = changes.loads = changes.everywhere = loads_.gravity.gravity != c.gravity;
   loads_.gravity.gravity = c.gravity;
+  setContactRate(now_.contact_rate);
   return changes;
 }
 

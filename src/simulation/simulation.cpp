@@ -190,9 +190,10 @@ std::string Simulation::Impl::tellWhatLasts(const EstimatedDynamics::Outcome& ta
   const Index stopped = self && !taken.has_slept ? self->numStopped() : 0;
   std::string begun;
   if (stopped > 0 && lasting.see(Lasting::kStopped, static_cast<double>(stopped)))
-    appendNotice(begun,
-                 "parts of the surface meet faster than the springs of contact can stop: contact limits the motion of points, "
-                 "which takes energy (statistics: stopped_points)");
+    appendNotice(
+        begun,
+        "parts of the surface meet faster, or press harder, than the springs of contact can stop: contact limits the motion of "
+        "points, which takes energy (statistics: stopped_points)");
   if (report.halted > kHaltedShare * report.substeps && lasting.see(Lasting::kHalted)) appendNotice(begun, describeHalt(report));
   if (taken.retried.kind != solve::StepFailure::Kind::kNone && lasting.see(Lasting::kRetried))
     appendNotice(begun, describeRetry(taken.retried, taken.is_retried_implicitly, report.substeps));

@@ -3,6 +3,8 @@
 #include "../../src/simulation/self_contact_load.h"
 #include "self_contact_runs.h"
 
+#include <random>
+
 namespace deformable_surface::test {
 namespace {
 
@@ -41,6 +43,58 @@ TEST(SelfContactLoad, LayersThatPinsPullBetweenCylindersDoNotCross) {
     const ContactScene scene = ContactSceneMaker(seed).pulledLayers();
     EXPECT_EQ(countCrossedSteps(scene, true), 0) << seed;
     EXPECT_GT(countCrossedSteps(scene, false), 10) << seed;
+  }
+}
+
+// Layers of 9 x 9 points fall on each other, and a hand pulls the upper one away.
+TEST(SelfContactLoad, SoftAndThinLayersSlideOnEachOtherWithoutFriction) {
+  struct Fabric {
+    double young_modulus, thickness, density;
+  };
+  constexpr Index kAcross = 9, kLayers = 4, kLayer = kAcross * kAcross;
+  constexpr double kSize = 0.3, kSpacing = kSize / (kAcross - 1), kPull = 0.2, kAside = 0.09;
+  for (const Fabric& fabric : {Fabric{3e4, 0.002, 1000.0}, Fabric{3e5, 0.0002, 250.0}}) {
+    simulation::SceneParams p;
+    p.material.young_modulus = fabric.young_modulus;
+    p.material.thickness = fabric.thickness;
+    p.material.density = fabric.density;
+    p.material.damping = 1.0;
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+    p.contact.self = true;
+    p.accuracy.estimate = false;
+    p.integrator.time_step = 0.005;
+    tool::ToolParams table, hand;
+    table.id = "table";
+    table.friction = 0.3;
+    table.shape.kind = geometry::Solid::Kind::kPlane;
+    table.path = {{0.0, Vec3::Zero(), Vec4(0.0, 0.0, 0.0, 1.0)}};
+    hand.id = "hand";
+    hand.mode = tool::Mode::kMove;
+    hand.start = 0.35;
+    hand.shape.kind = geometry::Solid::Kind::kBox;
+    hand.shape.size = Vec3(0.06, 0.4, 0.1);
+    hand.path = {{0.35, Vec3(0.5 * kSize + 0.8 * kAside, 0.0, 0.0), Vec4(0.0, 0.0, 0.0, 1.0)},
+                 {0.75, Vec3(0.5 * kSize + 0.8 * kAside + kPull, 0.0, 0.0), Vec4(0.0, 0.0, 0.0, 1.0)}};
+    p.tools = {table, hand};
+    cloud::PointCloud cloud;
+    std::mt19937 generator(4);
+    std::uniform_real_distribution<double> jitter(-0.1 * kSpacing, 0.1 * kSpacing);
+    for (Index layer = 0; layer < kLayers; ++layer)
+      for (Index i = 0; i < kLayer; ++i)
+        cloud.positions.emplace_back(
+            kSpacing * (i / kAcross) - 0.5 * kSize + jitter(generator) + (layer + 1 == kLayers ? kAside : 0.0),
+            kSpacing * (i % kAcross) - 0.5 * kSize + jitter(generator), 0.002 + 0.03 * layer);
+    Simulation s(p, cloud);
+    const Points rest = s.state().positions;
+    run(s, 160);
+    for (Index layer = 0; layer < kLayers; ++layer) {
+      double moved = 0.0;
+      for (Index i = layer * kLayer; i < (layer + 1) * kLayer; ++i) moved += (s.state().positions[i].x() - rest[i].x()) / kLayer;
+      if (layer + 1 < kLayers)
+        EXPECT_LT(std::abs(moved), 0.05) << fabric.thickness << " m, layer " << layer;
+      else
+        EXPECT_GT(moved, 0.9 * kPull) << fabric.thickness << " m";
+    }
   }
 }
 

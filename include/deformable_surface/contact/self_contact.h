@@ -51,7 +51,7 @@ class SelfContact {
   /// See PairList.
   void keepWhole(const std::vector<char>& is_whole);
   /// See SelfContactParams.
-  void setRate(double rate) { params_.rate = rate; }
+  void setRate(double rate);
   /// m/Pa, of contact between flat layers without a pad: the largest of all places.
   double ownCompliance() const;
   /// At the beginning of a step that lasts a time, s: whether two parts are near each other, or will be if their distance keeps
@@ -130,8 +130,9 @@ class SelfContact {
   const PairWatch& watch() const { return watch_; }
 
  private:
-  // Fraction of a pair's thickness: limit() lets parts that move come no nearer.
-  static constexpr double kLeast = 0.5;
+  // Fraction of a pair's thickness: limit() lets parts that move come no nearer; where collisions have not settled, no nearer
+  // than half of that.
+  static constexpr double kLeast = 0.5, kFloor = 0.25;
 
   struct Near {
     Pair pair;
@@ -147,6 +148,7 @@ class SelfContact {
     Vec3 normal;                   // unit, from the second primitive to the first
     std::array<double, 4> behind;  // m, distance of each point behind the closest point of its primitive
     double room;                   // m, by which the two primitives together may approach
+    double spare;                  // m, beyond that, if collisions have not settled
     std::array<double, 4> pushed;  // kg m, in a sub-step, between each point of the first primitive and each of the second
 
     bool pushes() const { return pushed != std::array<double, 4>{}; }
