@@ -100,6 +100,7 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
 
 // Whether a place is within a closed surface, by its winding number [Van Oosterom and Strackee 1983].
 bool isWithin(const Vec3& place, const std::vector<model::WeightedTriangle>& triangles, const Points& positions) {
+  if (triangles.empty()) return false;
   Vec3 low = positions[0], high = positions[0];
   for (const Vec3& p : positions) {
     low = low.cwiseMin(p);
