@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace deformable_surface::cloud {
@@ -15,6 +16,7 @@ constexpr Index kOfArea = 12;  // neighbours that tell the area of a point
 // Of the directions to near neighbours the share across the row over that along it: 0.8 to 1 in lattices, 0.74 at random places,
 // below 0.4 in rows of twice the spacing and more that are jittered by up to 0.3 of it.
 constexpr double kInRows = 0.45;
+constexpr double kNextInRow = 2.2;  // distances between neighbours along a row: the next point of a jittered row is nearer
 
 // The directions to the nearest neighbours, of trace 1.
 Mat3 sumDirections(const Points& x, const Lists& neighbors, Index i) {
@@ -27,6 +29,28 @@ Mat3 sumDirections(const Points& x, const Lists& neighbors, Index i) {
   return sum / sum.trace();
 }
 
+struct Group {
+  Index size;   // kNear: or more
+  double next;  // from its points to the nearest others; 0: none among the neighbours, or of a large group
+};
+
+// The points that steps up to so long lead to.
+Group findGroup(const Points& x, const Lists& neighbors, Index i, double step) {
+  std::vector<Index> members{i};
+  const auto isMember = [&](Index j) { return std::find(members.begin(), members.end(), j) != members.end(); };
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    const Index from = members[m];
+    for (const Index* j = neighbors.begin(from); j != neighbors.end(from) && (x[*j] - x[from]).norm() <= step; ++j)
+      if (!isMember(*j)) members.push_back(*j);
+    if (static_cast<Index>(members.size()) >= kNear) return {kNear, 0.0};
+  }
+  double next = std::numeric_limits<double>::infinity();
+  for (const Index from : members)
+    for (const Index* j = neighbors.begin(from); j != neighbors.end(from); ++j)
+      if (!isMember(*j)) next = std::min(next, (x[*j] - x[from]).norm());
+  return {static_cast<Index>(members.size()), std::isfinite(next) ? next : 0.0};
+}
+
 double findMedian(std::vector<double>& values) {
   const auto middle = values.begin() + values.size() / 2;
   std::nth_element(values.begin(), middle, values.end());
@@ -35,8 +59,8 @@ double findMedian(std::vector<double>& values) {
 
 }  // namespace
 
-double findRowSpacing(const Points& x, const Lists& neighbors) {
-  std::vector<double> shares, spacings;
+RowSpacing findRowSpacing(const Points& x, const Lists& neighbors) {
+  std::vector<double> shares, spacings, sizes_of_groups, in_groups;
   const Index n = neighbors.size(), stride = std::max(Index{1}, n / kLookedAt);
   for (Index i = 0; i < n; i += stride) {
     const Index count = neighbors.count(i);
@@ -55,9 +79,17 @@ double findRowSpacing(const Points& x, const Lists& neighbors) {
     const Index num = std::min(kOfArea, count);
     const double area = kPi * (x[neighbors.begin(i)[num - 1]] - x[i]).squaredNorm() / num;
     spacings.push_back(area / (along * along));
+    const Group group = findGroup(x, neighbors, i, kNextInRow * along);
+    sizes_of_groups.push_back(group.size);
+    in_groups.push_back(group.next > 0.0 ? along / group.next : 1.0);
   }
-  if (shares.empty() || findMedian(shares) > kInRows) return 1.0;
-  return std::max(1.0, findMedian(spacings));
+  RowSpacing result;
+  if (shares.empty() || findMedian(shares) > kInRows) return result;
+  if (findMedian(sizes_of_groups) < kNear)
+    result.groups = std::min(1.0, findMedian(in_groups));
+  else
+    result.rows = std::clamp(findMedian(spacings), 1.0, kFarthestRows);
+  return result;
 }
 
 }  // namespace deformable_surface::cloud

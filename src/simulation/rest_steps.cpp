@@ -58,11 +58,24 @@ Parts findDenseParts(const SceneParams& params, const FindNeighbors& find, const
   return findParts(n, links);
 }
 
+double roundToTwoDigits(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::round(value / unit) * unit;
+}
+
 void warnOfRows(RestSurface& s) {
-  const double spacing = cloud::findRowSpacing(s.dense.positions, s.dense_neighbors);
-  if (spacing < kFarRows) return;
-  s.warnings.push_back("the points lie in rows, which are about " + formatShort(std::round(10.0 * spacing) / 10.0) +
-                       " times as far apart as the points along them: the surface may come apart between rows, and bends across "
+  const cloud::RowSpacing spacing = cloud::findRowSpacing(s.dense.positions, s.dense_neighbors);
+  if (spacing.groups < 1.0 / kFarRows)
+    s.warnings.push_back(
+        "most points have others nearly at the same place, at about " + formatShort(roundToTwoDigits(spacing.groups)) +
+        " of the distance to the points around: two layers or more, or one scan several times with a shift; layers so near are "
+        "joined to one body; a cloud that has each place of one layer once avoids this");
+  if (spacing.rows < kFarRows) return;
+  const std::string times = spacing.rows < cloud::kFarthestRows
+                                ? "about " + formatShort(std::round(10.0 * spacing.rows) / 10.0) + " times"
+                                : formatShort(cloud::kFarthestRows) + " times or more";
+  s.warnings.push_back("the points lie in rows, which are " + times +
+                       " as far apart as the points along them: the surface may come apart between rows, and bends across "
                        "them as few points do; a cloud sampled evenly avoids both");
 }
 

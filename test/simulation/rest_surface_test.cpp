@@ -226,5 +226,17 @@ TEST(RestSurface, TellsThatPointsLieInRows) {
   EXPECT_TRUE(warns(3.0));
 }
 
+TEST(RestSurface, TellsThatPointsHaveOthersNearlyAtTheSamePlace) {
+  for (const double apart : {0.02, 0.1}) {
+    Points points = makeSheet(20, 20, 19.0, 19.0).points;
+    for (Index i = 0; i < 400; ++i) points.push_back(points[i] + apart * Vec3::UnitZ());
+    const simulation::RestSurface s = simulation::buildRestSurface(simulation::SceneParams(), asCloud(points));
+    ASSERT_EQ(s.warnings.size(), 1u) << apart;
+    const std::string found = apart < 0.1 ? "0.02" : "0.1";
+    EXPECT_EQ(s.warnings[0].find("most points have others nearly at the same place, at about " + found + " of the distance"), 0u)
+        << s.warnings[0];
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
