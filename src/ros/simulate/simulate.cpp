@@ -6,6 +6,8 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/version.h"
+#include "deformable_surface/io/load_scene.h"
+#include "deformable_surface/ros/convert/find_package.h"
 #include "deformable_surface/simulation/statistics.h"
 
 #include <type_traits>
@@ -43,7 +45,9 @@ int simulate(const std::vector<std::string>& arguments, const Terminal& terminal
       return kDone;
     }
     if (options.check) {
-      checkOptions(options, loadScene(options));
+      const simulation::SceneParams params = loadScene(options);
+      checkOptions(options, params);
+      if (options.bag_in.empty()) io::loadCloud(params, findPackage);
       listColumns(terminal.out);
       return kDone;
     }

@@ -179,7 +179,8 @@ std::string describeOptions() {
          "  --measure QUANTITY    print a quantity of expect after the last step, with all digits; repeatable\n"
          "  --threads N           worker threads; the result is the same for every N\n"
          "  --strict              exit status 4 if a bound of the scene's expect is not met\n"
-         "  --check               read the scene and the options only; print problems and the columns of --statistics\n"
+         "  --check               read the scene, its cloud and the options only; print problems and the columns of "
+         "--statistics\n"
          "  --quiet               errors and measured quantities only\n"
          "  --version             print the version of the package\n"
          "  --serve               without other options: execute the runs that a program requests on the standard input\n"
@@ -187,7 +188,8 @@ std::string describeOptions() {
          "The bounds of the scene's expect are checked after the last step. They hold for the scene's own cloud and duration.\n"
          "A bound that is not met is a note, with --strict an error.\n"
          "Exit status: 0 done; 2 the command line, the scene or an input file is wrong; 3 a step was refused, and the last\n"
-         "good state is written; 4 with --strict: done, but a bound is not met.\n";
+         "good state is written; 4 with --strict: done, but a bound is not met; 128 + the signal: interrupted, and only the\n"
+         "frames and the rows of --statistics and --wrenches until then are written.\n";
 }
 
 }  // namespace deformable_surface::node

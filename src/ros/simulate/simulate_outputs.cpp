@@ -45,7 +45,7 @@ CsvFile::CsvFile(const std::string& file, const std::string& header) : name_(fil
 }
 
 void CsvFile::add(const std::string& line) {
-  stream_ << line << '\n';
+  stream_ << line << '\n' << std::flush;
   check();
 }
 

@@ -1,5 +1,5 @@
 // The files that `simulate` writes while it runs: statistics, numbered clouds, a bag. Each gets its name only
-// when it is complete.
+// when it is complete; tables also when the run is interrupted.
 #pragma once
 
 #include "deformable_surface/io/pending_file.h"
@@ -30,7 +30,7 @@ class Pace {
   std::uint64_t count_ = 0;
 };
 
-/// A table of lines.
+/// A table of lines. Each is written at once: also the temporary file of a run that was killed has the lines until then.
 class CsvFile {
  public:
   CsvFile(const std::string& file, const std::string& header);

@@ -114,12 +114,27 @@ int Run::run() {
   }
   stepUntil(end_);
   if (status_ == kInterrupted) {
-    report("interrupted at t = " + formatReal(runTime()) + " s; no output is written" +
-           (frames_ ? ", except the frames until then" : ""));
+    report("interrupted at t = " + formatReal(runTime()) + " s; no output is written" + keepTables());
     return kInterrupted + terminal_.stop.number;
   }
   finish();
   return status_;
+}
+
+// What there is of an interrupted run: it tells where the time went. Returns the end of a sentence about it.
+std::string Run::keepTables() {
+  std::string kept;
+  const auto add = [&kept](const std::string& what) { kept += (kept.empty() ? ", except " : ", ") + what; };
+  if (frames_) add("the frames");
+  if (statistics_) {
+    statistics_->finish();
+    add("the rows of --statistics");
+  }
+  if (wrenches_file_) {
+    wrenches_file_->finish();
+    add("the rows of --wrenches");
+  }
+  return kept.empty() ? kept : kept + " until then";
 }
 
 // Filters the cloud. Returns notices about it.

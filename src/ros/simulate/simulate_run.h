@@ -55,6 +55,7 @@ class Run {
   bool canStep() const;
   void step();
   bool isInterrupted();
+  std::string keepTables();
   void writeState();
 
   // The bag: simulate_run_bag.cpp.

@@ -1,6 +1,7 @@
 // The part of a run that reads its bag.
 #include "simulate_run.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/ros/convert/commands.h"
 #include "deformable_surface/ros/convert/frames.h"
@@ -50,6 +51,10 @@ void Run::takeCloud(DecodedCloud decoded, std::int64_t stamp) {
     set_up_seconds_ += timer.seconds();
   } catch (const InputError& error) {
     return reportRefusal("cloud", stamp, error);
+  } catch (const Interrupted&) {
+    if (!simulation_) throw;
+    status_ = kInterrupted;  // the run keeps what it has of the old surface
+    return;
   }
   // The old surface takes the steps that end before the new one is there.
   if (simulation_) stepUntil(stamp);

@@ -43,6 +43,8 @@ TEST_F(Simulate, ChecksASceneAndTellsTheColumnsOfItsStatisticsWithoutARun) {
   EXPECT_EQ(out_.find("skipped"), std::string::npos);  // a list of words
   EXPECT_EQ(run({"--check", "--set", "material.thicknes=1"}), 2);
   EXPECT_EQ(err_, "simulate: material.thicknes: unknown key; the nearest known one is material.thickness\n");
+  EXPECT_EQ(run({"--check", "--set", "cloud={file: none.xyz}"}), 2);
+  EXPECT_EQ(err_, "simulate: none.xyz: cannot be opened: No such file or directory\n");
 }
 
 TEST_F(Simulate, PrintsItsVersionWithoutAScene) {
@@ -222,6 +224,28 @@ TEST_F(Simulate, KeepsTheFramesUntilItIsInterrupted) {
   signal.join();
   EXPECT_NE(err_.find("except the frames until then"), std::string::npos) << err_;
   EXPECT_EQ(countFiles("out.ply"), 0);
+}
+
+// Each row is written at once, so that the temporary files tell how far the run is.
+TEST_F(Simulate, KeepsTheRowsOfTablesUntilItIsInterrupted) {
+  stop_.number = SIGINT;
+  std::atomic<bool> has_ended{false};
+  std::thread signal([&] {
+    while (countLines(readFile(path("w.csv.partial"))) < 3 && !has_ended)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stop_.has_come = true;
+  });
+  EXPECT_EQ(run({"--set", "pins=[{box: {min: [-1, -1, -1], max: [-0.4, 1, 1]}}]", "--statistics", path("s.csv"), "--wrenches",
+                 path("w.csv"), "--final", path("out.ply"), "--duration", "100000"}),
+            128 + SIGINT);
+  has_ended = true;
+  signal.join();
+  EXPECT_NE(err_.find("no output is written, except the rows of --statistics, the rows of --wrenches until then\n"),
+            std::string::npos)
+      << err_;
+  EXPECT_GE(countLines(readFile(path("s.csv"))), 3u);
+  EXPECT_EQ(countLines(readFile(path("s.csv"))), countLines(readFile(path("w.csv"))));
+  EXPECT_EQ(countFiles("out.ply") + countFiles(".partial"), 0);
 }
 
 TEST_F(Simulate, RefusesToOverwriteWhatItReads) {
