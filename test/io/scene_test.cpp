@@ -154,6 +154,22 @@ TEST(ReadScene, TellsHowFarBondsOfParticlesMayBeToldToStretch) {
   EXPECT_EQ(problem("bonds: kept, cutoff: 1.9, tear_strain: 0.9"), "accepted");
 }
 
+TEST(ReadScene, TellsWhatTakesTheRestShapeFromKeptBonds) {
+  const auto problem = [](const std::string& options) {
+    const std::vector<std::string> problems =
+        problemsOf("{model: oriented_particles, oriented_particles: {bonds: kept" + options + "}}");
+    return problems.empty() ? "accepted" : problems[0];
+  };
+  const auto refuse = [](const std::string& found) {
+    return "oriented_particles.bonds: found kept with " + found +
+           "; accepted: kept with rest_shape cloud or auto, mode space and weighting isotropic";
+  };
+  EXPECT_EQ(problem(""), "accepted");
+  EXPECT_EQ(problem(", rest_shape: flat"), refuse("rest_shape flat"));
+  EXPECT_EQ(problem(", mode: plane"), refuse("mode plane"));
+  EXPECT_EQ(problem(", weighting: anisotropic"), refuse("weighting anisotropic"));
+}
+
 TEST(ReadScene, NamesTheNearestKnownKey) {
   EXPECT_EQ(problemOf("material: {yung_modulus: 1}"),
             "material.yung_modulus: unknown key; the nearest known one is material.young_modulus");

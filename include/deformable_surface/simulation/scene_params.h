@@ -243,7 +243,10 @@ inline std::vector<std::string> expectQuantities() {
 
 inline void visit(Fields& fields, CloudParams& p) {
   using Shape = CloudParams::Shape;
-  fields.text("file", p.file, "a .pcd, .ply, .obj or .xyz file: path or package://PACKAGE/PATH");
+  fields.text(
+      "file", p.file,
+      "a .pcd, .ply, .obj or .xyz file: path or package://PACKAGE/PATH. A path is relative to the working directory of the "
+      "program, not to the scene");
   fields.choice("shape", p.shape,
                 {{"none", Shape::kNone},
                  {"sheet", Shape::kSheet},
@@ -300,8 +303,8 @@ inline void visit(Fields& fields, AccuracyParams& p) {
   fields.number(
       "patience", p.patience, "s", between(0.0, 1e9),
       "how long the node waits for the trials of a position_error. After this wall time the surface begins with as many "
-      "points as without a target, and the trials go on in the background. With a simulated clock, in a pause and with "
-      "`input.lockstep` the node waits to their end");
+      "points as without a target, and the trials go on in the background. With `input.policy: replace` another cloud ends the "
+      "wait. With a simulated clock, in a pause and with `input.lockstep` the node waits to their end");
 }
 
 /// Why an accuracy target cannot choose the number of simulation points: the keys that state it, and the remedy. Empty if it can.

@@ -159,8 +159,12 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                 "time between two searches for places of new particles");
   fields.flag("grow_surface", p.grow_surface, "grow a surface through the particles before time 0, like `~grow_surface`");
   if (p.bonds == ParticleBonds::kKept) {
-    fields.require(p.restsAsCloud(), "bonds",
-                   "found kept without a rest shape; accepted: rest_shape cloud, mode space, weighting isotropic");
+    const std::string found = p.rest_shape == RestShape::kFlat ? "rest_shape flat"
+                              : p.mode == ParticleMode::kPlane ? "mode plane"
+                                                               : "weighting anisotropic";
+    fields.require(
+        p.restsAsCloud(), "bonds",
+        "found kept with " + found + "; accepted: kept with rest_shape cloud or auto, mode space and weighting isotropic");
     fields.require(
         !(p.co_circularity > 0.0), "co_circularity",
         "found " + formatReal(p.co_circularity) + " with bonds: kept, which are circular at rest by themselves; accepted: 0");
