@@ -111,6 +111,24 @@ TEST(SheetJoint, SheetsFiveSpacingsApartAreJoinedByALongTube) {
   }
 }
 
+// Tools that press on flatten the tube: the normals of its rings turn towards the axis, away from each other.
+TEST(SheetJoint, SheetsWhoseTubeIsFlattenedAreNotJoinedAgain) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const TestSurface sheets = makeSheets(1.8 * kSpacing, 0.0, 1.0, 0.1, seed);
+    const std::optional<SheetJoint> joint = join(sheets);
+    ASSERT_TRUE(joint);
+    TestSurface joined = apply(sheets, *joint);
+    const Index first = joined.size() - static_cast<Index>(joint->tube.size());
+    for (Index i = first; i < joined.size(); ++i) {
+      const Vec3 up = joined.positions[i].z() > joint->middle.z() ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
+      Vec3 outwards = joined.positions[i] - joint->middle;
+      outwards.z() = 0.0;
+      joined.normals[i] = 0.8 * up - 0.6 * outwards.normalized();
+    }
+    EXPECT_FALSE(join(joined)) << seed;
+  }
+}
+
 TEST(SheetJoint, FlatSheetsAreJoinedInTheMiddleOfWhatIsPressed) {
   const TestSurface sheets = makeSheets(1.8 * kSpacing, 0.0, -1.0, 0.1, 1);
   std::vector<char> is_pressed;

@@ -280,6 +280,29 @@ TEST(Population, NobodyIsBornInASolidTool) {
   EXPECT_GT((s.state().positions.back() - p.tools[0].path[0].position).norm(), radius - 0.05 * kSpacing);
 }
 
+// A hole is filled unless another sheet that faces the opposite way is so near that the new particle would stand between the two.
+TEST(Population, NobodyIsBornBetweenTwoSheets) {
+  for (const double apart : {1.2 * kSpacing, 3.0 * kSpacing}) {
+    SceneParams p = scene();
+    p.oriented_particles.growing = model::Growing::kGaps;
+    p.oriented_particles.growth.max_gap = 3.1;
+    p.oriented_particles.freeze_below = 1.0;
+    cloud::PointCloud cloud = patch();
+    Points points = cloud.positions, normals(points.size(), Vec3::UnitZ());
+    for (const Vec3& at : cloud.positions) {
+      points.push_back(at + apart * Vec3::UnitZ());
+      normals.push_back(-Vec3::UnitZ());
+    }
+    points.erase(points.begin() + 7 * 14 + 7);
+    normals.erase(normals.begin() + 7 * 14 + 7);
+    cloud = asCloud(points);
+    cloud.normals = normals;
+    Simulation s(p, cloud);
+    run(s, 10);
+    EXPECT_EQ(s.state().size(), s.input().size() + (apart > 2.0 * kSpacing ? 1 : 0));
+  }
+}
+
 // Erasers around one particle leave it alone: the newborn in a filled hole goes, one of the beginning stays.
 TEST(Population, ANewParticleThatIsAloneGoes) {
   for (const bool is_new : {true, false}) {

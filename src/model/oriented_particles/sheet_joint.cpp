@@ -30,7 +30,8 @@ struct Meeting {
   Index i, j;
 };
 
-// 1 for the particles that are reached from one in few steps, each to a neighbour that faces the same way within 90 degrees.
+// 1 for the particles that are reached from one in few steps, each to a neighbour that does not face it: where tools press on a
+// tube, its rings are folded more sharply than by 90 degrees.
 std::vector<char> findNearAlongSurface(const cloud::KdTree& tree, const Points& positions, const Points& normals, double step,
                                        Index from) {
   std::vector<Index> reached(1, from);
@@ -43,7 +44,7 @@ std::vector<char> findNearAlongSurface(const cloud::KdTree& tree, const Points& 
     for (; begin < end; ++begin) {
       tree.withinRadius(positions[reached[begin]], step, near);
       for (const cloud::Neighbor& q : near) {
-        if (is_reached[q.index] || !(normals[q.index].dot(normals[reached[begin]]) > 0.0)) continue;
+        if (is_reached[q.index] || !(normals[q.index].dot(normals[reached[begin]]) > kFacing)) continue;
         is_reached[q.index] = 1;
         reached.push_back(q.index);
       }

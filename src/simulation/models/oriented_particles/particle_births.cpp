@@ -48,6 +48,21 @@ void placeOnTools(double time, const std::vector<tool::ToolParams>& tools, doubl
   }
 }
 
+// What would be born between two sheets that face opposite ways, as in a tube, is no place of either: it plugs the tube, and its
+// repulsion throws particles through the walls.
+void leaveOutBetween(const State& state, double distance, std::vector<model::NewParticle>& newborn) {
+  if (newborn.empty()) return;
+  const cloud::KdTree tree(state.positions);
+  std::vector<cloud::Neighbor> near;
+  const auto isBetween = [&](const model::NewParticle& particle) {
+    const Vec3 normal = particle.orientation * Vec3::UnitZ();
+    tree.withinRadius(particle.position, distance, near);
+    return std::any_of(near.begin(), near.end(),
+                       [&](const cloud::Neighbor& q) { return normal.dot(state.orientations[q.index] * Vec3::UnitZ()) < 0.0; });
+  };
+  newborn.erase(std::remove_if(newborn.begin(), newborn.end(), isBetween), newborn.end());
+}
+
 }  // namespace
 
 model::GrowthParams ParticleLife::growthParams() const {
@@ -174,6 +189,7 @@ void ParticleLife::grow(double time, const std::vector<tool::ToolParams>& tools,
   const auto found = [&](double clearance, std::vector<model::NewParticle> proposed) {
     placeOnTools(time, tools, spacing, proposed);
     model::leaveOutCrowded(state.positions, clearance * spacing, proposed);
+    if (!growth.chain) leaveOutBetween(state, growth.neighbor_range * spacing, proposed);
     newborn = std::move(proposed);
     return !newborn.empty();
   };
