@@ -1,4 +1,5 @@
-// Tools that go through a surface of particles are told with the width that would have held; with that width none goes through.
+// Tools that go through a surface of particles, or tear it open, are told with the width that would have held; with that width
+// none does.
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/expectations.h"
@@ -88,6 +89,24 @@ TEST(PiercingWatch, StiffSurfacesNeedWiderTools) {
   EXPECT_GE(countOf(runAll(s, 2.4), "at least 0.51 m wide"), 1);
 }
 
+// Of a stiff surface, and of few particles, that part before the balls and do not bind again.
+TEST(PiercingWatch, ABallThatTearsTheSurfaceOpenIsToldWithTheWidthThatHolds) {
+  struct Case {
+    Index points;
+    double stiffness, ball;
+    const char* width;
+  };
+  for (const Case& c : {Case{1200, 0.14, 0.2, "at least 0.329 m wide"}, Case{300, 0.06, 0.25, "at least 0.439 m wide"}}) {
+    const SceneParams p = makeTorusScene(c.points, 0.0, c.stiffness, c.ball * kRadius);
+    Simulation s(p, io::makeShape(p.cloud));
+    const std::string notices = runAll(s, 2.4);
+    EXPECT_GT(simulation::computeQuantity("boundary_loops", s), 0.0);
+    EXPECT_GE(countOf(notices, "has torn the surface open"), 1) << notices;
+    EXPECT_LE(countOf(notices, "has torn the surface open"), 2) << notices;
+    EXPECT_GE(countOf(notices, c.width), 1) << notices;
+  }
+}
+
 // From 5 % more than the least width on.
 TEST(PiercingWatch, BallsOfTheLeastWidthTurnASphereIntoATorus) {
   struct Case {
@@ -99,6 +118,7 @@ TEST(PiercingWatch, BallsOfTheLeastWidthTurnASphereIntoATorus) {
     Simulation s(p, io::makeShape(p.cloud));
     const std::string notices = runAll(s, 3.4);
     EXPECT_EQ(countOf(notices, "gone through"), 0) << notices;
+    EXPECT_EQ(countOf(notices, "torn"), 0) << notices;
     EXPECT_EQ(simulation::computeQuantity("components", s), 1.0) << c.points;
     EXPECT_EQ(simulation::computeQuantity("boundary_loops", s), 0.0) << c.points;
     EXPECT_EQ(simulation::computeQuantity("euler_characteristic", s), 0.0) << c.points;
@@ -134,6 +154,21 @@ TEST(PiercingWatch, ABallThatIsPutOnTheOtherSideIsNotTold) {
   EXPECT_EQ(countOf(notices, "gone through"), 0) << notices;
 }
 
+// The edges of a sheet that a tool presses on, also beyond them, are those of the sheet.
+TEST(PiercingWatch, ATableThatASheetLiesOnIsNotTold) {
+  SceneParams p = makeSheetScene();
+  p.gravity = Vec3(0.0, 0.0, -9.81);
+  p.pins.clear();
+  tool::ToolParams table = ball("table", 0.0, Vec3(0.2, 0.0, -0.1), Vec3(0.2, 0.0, -0.1), 1.0);
+  table.shape.kind = geometry::Solid::Kind::kBox;
+  table.shape.size = Vec3(0.5, 1.0, 0.2);
+  p.tools = {table};
+  Simulation s(p, io::makeShape(p.cloud));
+  const std::string notices = runAll(s, 1.0);
+  EXPECT_GT(simulation::computeQuantity("touching", s), 0.0);
+  EXPECT_EQ(countOf(notices, "torn"), 0) << notices;
+}
+
 // A small ball presses on a sheet from above, goes around its edge and presses from below.
 TEST(PiercingWatch, ABallThatGoesAroundTheEdgeIsNotTold) {
   SceneParams p = makeSheetScene();
@@ -156,6 +191,7 @@ TEST(PiercingWatch, ABallThatGoesAroundTheEdgeIsNotTold) {
   }
   EXPECT_TRUE(has_touched_above && has_touched_below);
   EXPECT_EQ(countOf(notices, "gone through"), 0) << notices;
+  EXPECT_EQ(countOf(notices, "torn"), 0) << notices;
 }
 
 }  // namespace

@@ -81,4 +81,35 @@ double OrientedParticles::latticeBonds() const {
   return count;
 }
 
+void OrientedParticles::keepOpen(const State& state, double angle, std::vector<char>& is_open) const {
+  if (!prepare(state)) return is_open.assign(is_open.size(), 0);
+  const double cosine = std::cos(angle);
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!is_open[i]) continue;
+    const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
+    // Directions in the tangent plane, with fn(direction) for each that faces the same way.
+    const auto forEachDirection = [&](const auto& take) {
+      forEachNear(i, lattice_.pair.cutoff, [&](Index j, double) {
+        if (!(normal.dot(state.orientations[j] * Vec3::UnitZ()) > 0.0)) return;
+        const Vec3 line = state.positions[j] - state.positions[i], flat = line - normal.dot(line) * normal;
+        if (flat.squaredNorm() > 0.0) take(Vec3(flat.normalized()), j);
+      });
+    };
+    bool is_any = false, has_gap = false;
+    forEachDirection([&](const Vec3& from, Index j) {
+      is_any = true;
+      if (has_gap) return;
+      // None within the angle to the left of this one.
+      const Vec3 left = normal.cross(from);
+      bool is_free = true;
+      forEachDirection([&](const Vec3& to, Index k) {
+        const double along = from.dot(to), across = left.dot(to);
+        if (k != j && (angle < kPi ? across >= 0.0 && along > cosine : across >= 0.0 || along < cosine)) is_free = false;
+      });
+      has_gap = is_free;
+    });
+    is_open[i] = has_gap || !is_any;
+  }
+}
+
 }  // namespace deformable_surface::model

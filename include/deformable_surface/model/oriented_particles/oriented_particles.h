@@ -78,6 +78,10 @@ class OrientedParticles : public DeformableModel,
   /// The mean number of bonds of a particle, and that inside a flat lattice (a chain in mode plane).
   double meanBonds(const State& state) const;
   double latticeBonds() const;
+  /// Those particles (n) become 1 around which a gap of at least this angle, rad, opens: seen along the normal, no other that
+  /// faces the same way within 90 degrees is in it and in reach of a bond. Only those that are 1 before are looked at; all become
+  /// 0 if there are no bonds at these positions. O(k^2) for one with k others in reach.
+  void keepOpen(const State& state, double angle, std::vector<char>& is_open) const;
   /// From now on no force depends on orientations, until the spacing is set.
   void leaveOnlyAttraction();
   /// The spacing of the parameters, or of the cloud.

@@ -30,6 +30,9 @@ constexpr double kBeyondBonds = 0.2;
 constexpr double kStiffTube = 4.0;
 constexpr double kFar = 2.0;   // times that distance: tools that stop farther apart are not meant to join sheets
 constexpr double kFlat = 0.7;  // cosine between a particle's normal and that of a tool
+// Angle between neighbours, seen from a particle: in a lattice, and at a missing particle, it is at most 120 degrees; at a
+// straight edge 180.
+constexpr double kOpen = 140.0 / 180.0 * kPi;
 constexpr Index kLook = 1024;  // particles between two looks at an interrupt
 
 // A knife with a temperature weakens bonds [Szeliski 1991, sec. 6]; one without cuts them.
@@ -238,16 +241,18 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
 void ParticleLife::reportPiercing(double time, const std::vector<ToolParams>& tools, const State& state, Population& changes) {
   const model::OrientedParticlesParams& params = model_.params();
   if (model_.hasKeptBonds() || params.mode != model::ParticleMode::kSpace) return;
-  for (const ToolParams* tool : piercing_.look(time, tools, state, model_.lattice().spacing)) {
-    const double width = findLeastWidth(model_.lattice().spacing, findStiffLength(scene_.material));
-    const double found = findWidth(tool->shape);
-    appendNotice(
-        changes.notice,
-        "tool " + quote(tool->id) + ", " + formatShort(found) + " m wide, has gone through the surface; " +
-            (found < width ? "a deep dent holds tools that are at least " + formatShort(width) +
-                                 " m wide: four spacings, and 16 sqrt(D / E h) (a larger tool, more particles or a smaller "
-                                 "material.bending_rigidity)"
-                           : "it was pushed harder than bonds hold (a slower tool, or less material.damping)"));
+  const double spacing = model_.lattice().spacing;
+  const auto keepOpen = [&](std::vector<char>& is_open) { model_.keepOpen(state, kOpen, is_open); };
+  for (const PiercingWatch::Found& found : piercing_.look(time, tools, state, spacing, keepOpen)) {
+    const double least = findLeastWidth(spacing, findStiffLength(scene_.material)), width = findWidth(found.tool->shape);
+    std::string sentence = "tool " + quote(found.tool->id) + ", " + formatShort(width) + " m wide, has " +
+                           (found.is_through ? "gone through the surface" : "torn the surface open");
+    if (found.is_first)
+      sentence += width < least ? "; a deep dent holds tools that are at least " + formatShort(least) +
+                                      " m wide: four spacings, and 16 sqrt(D / E h) (a larger tool, more particles or a smaller "
+                                      "material.bending_rigidity)"
+                                : "; it was pushed harder than bonds hold (a slower tool, or less material.damping)";
+    appendNotice(changes.notice, sentence);
   }
 }
 

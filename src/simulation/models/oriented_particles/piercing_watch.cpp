@@ -14,7 +14,11 @@ namespace {
 
 constexpr double kTouching = 0.5;  // spacings: the particle as a disc
 constexpr double kClear = 0.25;    // mean cosine between normals and the lines to the tool: in a hole it is near 0
-constexpr Index kLook = 1024;      // particles between two looks at an interrupt
+constexpr double kBeside = 1.0;    // spacings: the rim of a hole around the tool
+// Particles whose neighbours part before growth puts another one between them are open for a few looks, one or two at a time.
+constexpr int kLeastTorn = 2;
+constexpr int kLasting = 10;   // looks
+constexpr Index kLook = 1024;  // particles between two looks at an interrupt
 
 // A fluid surface under a tension T forms tubes of the radius sqrt(D / 2 T). These bonds carry T = 0.054 E h at most: the tube
 // that hangs on the tool, with the widest ring around it, has at least 3 sqrt(D / E h). Both factors were chosen on spheres of
@@ -24,45 +28,79 @@ constexpr double kStiffLengths = 16.0;
 
 }  // namespace
 
-std::vector<const tool::ToolParams*> PiercingWatch::look(double time, const std::vector<tool::ToolParams>& tools,
-                                                         const model::State& state, double spacing) {
-  std::vector<const tool::ToolParams*> gone_through;
+std::vector<PiercingWatch::Found> PiercingWatch::look(double time, const std::vector<tool::ToolParams>& tools,
+                                                      const model::State& state, double spacing, const KeepOpen& keepOpen) {
+  std::vector<Found> found;
   for (const tool::ToolParams& tool : tools) {
     if (tool.mode != tool::Mode::kSolid || tool.shape.kind == geometry::Solid::Kind::kPlane) continue;
-    Side& side = sides_[tool.id];
+    Watched& watched = tools_[tool.id];
     const tool::Pose pose = tool::interpolate(tool.path, time);
-    const Vec3& origin = pose.position;
-    // Another one of this name, or one that was put elsewhere.
-    if (!((origin - std::exchange(side.place, origin)).norm() <= 0.5 * findWidth(tool.shape))) side.sign = 0.0;
-    double nearest = std::numeric_limits<double>::infinity();
+    distances_.assign(state.positions.size(), std::numeric_limits<double>::infinity());
     if (tool::isActive(tool, time)) {
-      distances_.clear();
       for (Index i = 0; i < state.size(); ++i) {
         endIfInterrupted(i, kLook);
-        distances_.push_back(tool::findSignedDistance(tool.shape, pose, state.positions[i]).distance);
-        nearest = std::min(nearest, distances_.back());
+        distances_[i] = tool::findSignedDistance(tool.shape, pose, state.positions[i]).distance;
       }
     }
-    const double disc = kTouching * spacing;
-    const bool touches = nearest <= disc;
-    // One that has just left the surface: on the side on which it came?
-    if (!touches && side.sign == 0.0) continue;
-    double sum = 0.0, count = 0.0;
-    if (std::isfinite(nearest)) {
-      const double reach = std::max(disc, nearest + disc);
-      for (Index i = 0; i < state.size(); ++i) {
-        if (!(distances_[i] <= reach)) continue;
-        sum += (state.orientations[i] * Vec3::UnitZ()).dot((origin - state.positions[i]).normalized());
-        count += 1.0;
-      }
+    if (hasGoneThrough(tool, time, state, spacing, watched) && !std::exchange(watched.is_through, true))
+      found.push_back({&tool, true, !watched.has_torn});
+    if (!watched.is_through && !watched.has_torn && hasTorn(state, spacing, keepOpen, watched)) {
+      watched.has_torn = true;
+      found.push_back({&tool, false, true});
     }
-    const double before = std::exchange(side.sign, touches ? side.sign : 0.0);
-    if (!(std::abs(sum) > kClear * count)) continue;
-    const double sign = sum > 0.0 ? 1.0 : -1.0;
-    if (before * sign < 0.0 && !std::exchange(side.is_told, true)) gone_through.push_back(&tool);
-    if (touches) side.sign = sign;
   }
-  return gone_through;
+  return found;
+}
+
+bool PiercingWatch::hasGoneThrough(const tool::ToolParams& tool, double time, const model::State& state, double spacing,
+                                   Watched& watched) {
+  const Vec3 origin = tool::interpolate(tool.path, time).position;
+  // Another one of this name, or one that was put elsewhere.
+  if (!((origin - std::exchange(watched.place, origin)).norm() <= 0.5 * findWidth(tool.shape))) watched.sign = 0.0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const double distance : distances_) nearest = std::min(nearest, distance);
+  const double disc = kTouching * spacing;
+  const bool touches = nearest <= disc;
+  // One that has just left the surface: on the side on which it came?
+  if (!touches && watched.sign == 0.0) return false;
+  double sum = 0.0, count = 0.0;
+  if (std::isfinite(nearest)) {
+    const double reach = std::max(disc, nearest + disc);
+    for (Index i = 0; i < state.size(); ++i) {
+      if (!(distances_[i] <= reach)) continue;
+      sum += (state.orientations[i] * Vec3::UnitZ()).dot((origin - state.positions[i]).normalized());
+      count += 1.0;
+    }
+  }
+  const double before = std::exchange(watched.sign, touches ? watched.sign : 0.0);
+  if (!(std::abs(sum) > kClear * count)) return false;
+  const double sign = sum > 0.0 ? 1.0 : -1.0;
+  if (touches) watched.sign = sign;
+  return before * sign < 0.0;
+}
+
+bool PiercingWatch::hasTorn(const model::State& state, double spacing, const KeepOpen& keepOpen, Watched& watched) {
+  is_open_.assign(distances_.size(), 0);
+  bool is_any = false;
+  for (std::size_t i = 0; i < distances_.size(); ++i) {
+    is_open_[i] = distances_[i] <= kBeside * spacing;
+    is_any = is_any || is_open_[i];
+  }
+  if (!is_any) return false;
+  keepOpen(is_open_);
+  watched.open_looks.resize(state.next_id, 0);
+  int torn = 0;
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!(distances_[i] <= kBeside * spacing)) continue;
+    std::uint8_t& looks = watched.open_looks[state.traits[i].id];
+    if (!is_open_[i]) {
+      looks = 1;
+    } else if (looks > 0) {
+      looks = static_cast<std::uint8_t>(std::min(looks + 1, kLasting + 1));
+      torn += looks > kLasting;
+    }
+  }
+  return torn >= kLeastTorn;
 }
 
 double findLeastWidth(double spacing, double stiff_length) { return std::max(kSpacings * spacing, kStiffLengths * stiff_length); }

@@ -1,10 +1,12 @@
-// Whether a solid tool has gone through a surface of particles, and how wide one must be that a deep dent holds. There is no mesh
-// that would tell: particles part before the tool and bind again behind it.
+// Whether a solid tool has gone through a surface of particles or has torn it open, and how wide one must be that a deep dent
+// holds. There is no mesh that would tell: particles part before the tool, and bind again behind it or do not.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/tool/tool.h"
 
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -13,22 +15,39 @@ namespace deformable_surface::simulation {
 
 class PiercingWatch {
  public:
-  void reset() { sides_.clear(); }
+  struct Found {
+    const tool::ToolParams* tool;
+    bool is_through;  // else it has torn the surface open
+    bool is_first;    // that is found of this tool
+  };
+  /// Leaves 1 of those particles (n) that are 1 which lie at an open edge.
+  using KeepOpen = std::function<void(std::vector<char>&)>;
 
-  /// At a time, s. Returns the tools that have come to the other side of the particles that they touch (within half a spacing, m)
-  /// since the last look, without leaving the surface in between; each until the next reset once. One that has moved by more than
-  /// half its width in between was put there. O(n) for each solid tool.
-  std::vector<const tool::ToolParams*> look(double time, const std::vector<tool::ToolParams>& tools, const model::State& state,
-                                            double spacing);
+  void reset() { tools_.clear(); }
+
+  /// At a time, s. Finds the tools that have come to the other side of the particles that they touch (within half a spacing, m)
+  /// since the last look, without leaving the surface in between; one that has moved by more than half its width in between was
+  /// put there. And those at which particles that had others all around have come to lie at an open edge for many looks. Each
+  /// until the next reset once; one that has gone through is not found to tear the surface open. O(n) for each solid tool.
+  std::vector<Found> look(double time, const std::vector<tool::ToolParams>& tools, const model::State& state, double spacing,
+                          const KeepOpen& keepOpen);
 
  private:
-  struct Side {
+  struct Watched {
     double sign = 0.0;  // of the side of the surface that the tool's origin is on; 0: the tool touches nothing, or is between
-    Vec3 place = Vec3::Zero();  // m, of the tool's origin at the last look
-    bool is_told = false;
+    Vec3 place = Vec3::Zero();                  // m, of the tool's origin at the last look
+    bool is_through = false, has_torn = false;  // and this was told
+    // By the id of a particle: 0, it has not had others all around at the tool; else 1 and the looks for which it has been open.
+    std::vector<std::uint8_t> open_looks;
   };
-  std::map<std::string, Side> sides_;  // by the tool's name
-  std::vector<double> distances_;      // scratch: m, of the particles from a tool
+
+  bool hasGoneThrough(const tool::ToolParams& tool, double time, const model::State& state, double spacing, Watched& watched);
+  bool hasTorn(const model::State& state, double spacing, const KeepOpen& keepOpen, Watched& watched);
+
+  std::map<std::string, Watched> tools_;  // by name
+  // Scratch.
+  std::vector<double> distances_;  // m, of the particles from a tool
+  std::vector<char> is_open_;
 };
 
 /// The least width of a tool, m, that a deep dent in a surface of free bonds holds: narrower ones go through. spacing, m;
