@@ -194,5 +194,37 @@ TEST(PiercingWatch, ABallThatGoesAroundTheEdgeIsNotTold) {
   EXPECT_EQ(countOf(notices, "torn"), 0) << notices;
 }
 
+// A sheet that is held at two edges. A ball presses on it slowly, as wide as a deep dent holds: at a free edge, which slips off
+// it in the end, and in the middle.
+TEST(PiercingWatch, ABallThatAnEdgeSlipsOffIsNotTold) {
+  struct Case {
+    double place, end;
+    bool is_through;
+  };
+  for (const Case& c : {Case{0.45, 2.0, false}, Case{0.42, 2.0, false}, Case{-0.48, 2.0, false}, Case{0.0, 0.5, true}}) {
+    SceneParams p = makeSheetScene();
+    p.cloud.points = 800;
+    p.cloud.size = Vec2(1.0, 1.0);
+    p.gravity.setZero();
+    p.material.young_modulus = 1e5;
+    p.material.thickness = 1e-3;
+    p.material.density = 1000.0;
+    p.material.damping = 5.0;
+    p.material.bending_rigidity = 0.012;
+    simulation::PinParams left, right;
+    left.region.min = right.region.min = Vec3::Constant(-1.0);
+    left.region.max = right.region.max = Vec3::Constant(1.0);
+    left.region.max.x() = -0.46;
+    right.region.min.x() = 0.46;
+    p.pins = {left, right};
+    p.tools = {ball("ball", 0.1, Vec3(0.0, c.place, 0.12), Vec3(0.0, c.place, -0.3), c.end)};
+    Simulation s(p, io::makeShape(p.cloud));
+    const std::string notices = runAll(s, c.end + 0.1);
+    EXPECT_EQ(countOf(notices, "gone through"), c.is_through ? 1 : 0) << c.place << notices;
+    // Nothing holds it any more.
+    EXPECT_EQ(simulation::computeQuantity("touching", s), 0.0) << c.place;
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -42,9 +42,10 @@ std::vector<PiercingWatch::Found> PiercingWatch::look(double time, const std::ve
         distances_[i] = tool::findSignedDistance(tool.shape, pose, state.positions[i]).distance;
       }
     }
-    if (hasGoneThrough(tool, time, state, spacing, watched) && !std::exchange(watched.is_through, true))
+    const Open open = findOpen(state, spacing, keepOpen, watched);
+    if (hasGoneThrough(tool, time, state, spacing, open.is_edge, watched) && !std::exchange(watched.is_through, true))
       found.push_back({&tool, true, !watched.has_torn});
-    if (!watched.is_through && !watched.has_torn && hasTorn(state, spacing, keepOpen, watched)) {
+    if (!watched.is_through && !watched.has_torn && open.torn >= kLeastTorn) {
       watched.has_torn = true;
       found.push_back({&tool, false, true});
     }
@@ -53,7 +54,7 @@ std::vector<PiercingWatch::Found> PiercingWatch::look(double time, const std::ve
 }
 
 bool PiercingWatch::hasGoneThrough(const tool::ToolParams& tool, double time, const model::State& state, double spacing,
-                                   Watched& watched) {
+                                   bool is_edge, Watched& watched) {
   const Vec3 origin = tool::interpolate(tool.path, time).position;
   // Another one of this name, or one that was put elsewhere.
   if (!((origin - std::exchange(watched.place, origin)).norm() <= 0.5 * findWidth(tool.shape))) watched.sign = 0.0;
@@ -73,23 +74,26 @@ bool PiercingWatch::hasGoneThrough(const tool::ToolParams& tool, double time, co
     }
   }
   const double before = std::exchange(watched.sign, touches ? watched.sign : 0.0);
+  // The edge of a sheet that slides around the tool comes to the other side, too.
+  const bool is_at_edge = std::exchange(watched.is_at_edge, is_edge) || is_edge;
   if (!(std::abs(sum) > kClear * count)) return false;
   const double sign = sum > 0.0 ? 1.0 : -1.0;
   if (touches) watched.sign = sign;
-  return before * sign < 0.0;
+  return before * sign < 0.0 && !is_at_edge;
 }
 
-bool PiercingWatch::hasTorn(const model::State& state, double spacing, const KeepOpen& keepOpen, Watched& watched) {
+PiercingWatch::Open PiercingWatch::findOpen(const model::State& state, double spacing, const KeepOpen& keepOpen,
+                                            Watched& watched) {
+  Open open;
   is_open_.assign(distances_.size(), 0);
   bool is_any = false;
   for (std::size_t i = 0; i < distances_.size(); ++i) {
     is_open_[i] = distances_[i] <= kBeside * spacing;
     is_any = is_any || is_open_[i];
   }
-  if (!is_any) return false;
+  if (!is_any) return open;
   keepOpen(is_open_);
   watched.open_looks.resize(state.next_id, 0);
-  int torn = 0;
   for (Index i = 0; i < state.size(); ++i) {
     if (!(distances_[i] <= kBeside * spacing)) continue;
     std::uint8_t& looks = watched.open_looks[state.traits[i].id];
@@ -97,10 +101,12 @@ bool PiercingWatch::hasTorn(const model::State& state, double spacing, const Kee
       looks = 1;
     } else if (looks > 0) {
       looks = static_cast<std::uint8_t>(std::min(looks + 1, kLasting + 1));
-      torn += looks > kLasting;
+      open.torn += looks > kLasting;
+    } else {
+      open.is_edge = true;
     }
   }
-  return torn >= kLeastTorn;
+  return open;
 }
 
 double findLeastWidth(double spacing, double stiff_length) { return std::max(kSpacings * spacing, kStiffLengths * stiff_length); }

@@ -27,8 +27,9 @@ class PiercingWatch {
 
   /// At a time, s. Finds the tools that have come to the other side of the particles that they touch (within half a spacing, m)
   /// since the last look, without leaving the surface in between; one that has moved by more than half its width in between was
-  /// put there. And those at which particles that had others all around have come to lie at an open edge for many looks. Each
-  /// until the next reset once; one that has gone through is not found to tear the surface open. O(n) for each solid tool.
+  /// put there, and one at an edge of the cloud has slipped off it. And those at which particles that had others all around have
+  /// come to lie at an open edge for many looks. Each until the next reset once; one that has gone through is not found to tear
+  /// the surface open. O(n) for each solid tool.
   std::vector<Found> look(double time, const std::vector<tool::ToolParams>& tools, const model::State& state, double spacing,
                           const KeepOpen& keepOpen);
 
@@ -36,13 +37,21 @@ class PiercingWatch {
   struct Watched {
     double sign = 0.0;  // of the side of the surface that the tool's origin is on; 0: the tool touches nothing, or is between
     Vec3 place = Vec3::Zero();                  // m, of the tool's origin at the last look
+    bool is_at_edge = false;                    // at the last look at which the tool touched the surface: of the cloud
     bool is_through = false, has_torn = false;  // and this was told
     // By the id of a particle: 0, it has not had others all around at the tool; else 1 and the looks for which it has been open.
     std::vector<std::uint8_t> open_looks;
   };
 
-  bool hasGoneThrough(const tool::ToolParams& tool, double time, const model::State& state, double spacing, Watched& watched);
-  bool hasTorn(const model::State& state, double spacing, const KeepOpen& keepOpen, Watched& watched);
+  // Particles at the tool that lie at an open edge.
+  struct Open {
+    bool is_edge = false;  // any that has not had others all around at the tool: of the cloud
+    int torn = 0;          // that had, and have been open for many looks
+  };
+
+  bool hasGoneThrough(const tool::ToolParams& tool, double time, const model::State& state, double spacing, bool is_edge,
+                      Watched& watched);
+  Open findOpen(const model::State& state, double spacing, const KeepOpen& keepOpen, Watched& watched);
 
   std::map<std::string, Watched> tools_;  // by name
   // Scratch.
