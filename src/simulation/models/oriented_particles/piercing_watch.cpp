@@ -57,7 +57,8 @@ bool PiercingWatch::hasGoneThrough(const tool::ToolParams& tool, double time, co
                                    bool is_edge, Watched& watched) {
   const Vec3 origin = tool::interpolate(tool.path, time).position;
   // Another one of this name, or one that was put elsewhere.
-  if (!((origin - std::exchange(watched.place, origin)).norm() <= 0.5 * findWidth(tool.shape))) watched.sign = 0.0;
+  if (!((origin - std::exchange(watched.place, origin)).norm() <= std::max(0.5 * findWidth(tool.shape), spacing)))
+    watched.sign = 0.0;
   double nearest = std::numeric_limits<double>::infinity();
   for (const double distance : distances_) nearest = std::min(nearest, distance);
   const double disc = kTouching * spacing;

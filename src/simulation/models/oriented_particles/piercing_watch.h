@@ -26,10 +26,10 @@ class PiercingWatch {
   void reset() { tools_.clear(); }
 
   /// At a time, s. Finds the tools that have come to the other side of the particles that they touch (within half a spacing, m)
-  /// since the last look, without leaving the surface in between; one that has moved by more than half its width in between was
-  /// put there, and one at an edge of the cloud has slipped off it. And those at which particles that had others all around have
-  /// come to lie at an open edge for many looks. Each until the next reset once; one that has gone through is not found to tear
-  /// the surface open. O(n) for each solid tool.
+  /// since the last look, without leaving the surface in between; one that has moved by more than half its width and a spacing in
+  /// between was put there, and one at an edge of the cloud has slipped off it. And those at which particles that had others all
+  /// around have come to lie at an open edge for many looks. Each until the next reset once; one that has gone through is not
+  /// found to tear the surface open. O(n) for each solid tool.
   std::vector<Found> look(double time, const std::vector<tool::ToolParams>& tools, const model::State& state, double spacing,
                           const KeepOpen& keepOpen);
 
