@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "../../rest_parts.h"
+#include "approach_samples.h"
 #include "settle_particles.h"
 
 namespace deformable_surface::simulation {
@@ -124,6 +125,9 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
       cuts = cuts.inherit(positions, traits, first, parents, model_.cutLengths());
     };
   }
+  const Points samples = state.positions;
+  Points sample_normals;
+  for (const Quaternion& q : state.orientations) sample_normals.push_back(q * Vec3::UnitZ());
   const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, spacing, growth, relax, growth_cuts);
   model_.setCuts(cuts);
 
@@ -149,10 +153,16 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
   const double least = kClosest * particles.lattice().spacing;
   moveApart(least, fixed, trial);
-  if (keeps_shape && is_start && !(growth.noise > 0.0))
+  const bool remembers = keeps_shape && is_start && !(growth.noise > 0.0);
+  if (remembers && lets_go && !growth.chain &&
+      !areNoisy(findSampleOffsets(samples, sample_normals, least / kClosest, trial), least / kClosest)) {
+    settleOnSamples(samples, sample_normals, fixed, particles, trial);
+    model_.setSpacing(particles.lattice().spacing);
+  } else if (remembers) {
     relaxInShape(particles, fixed, fixed, trial);
-  else
+  } else {
     relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
+  }
   const Index near_pairs = moveApart(least, fixed, trial);
   state.positions = trial.positions;
   state.orientations = trial.orientations;

@@ -124,26 +124,35 @@ void relaxParticles(model::OrientedParticles& model, const std::vector<char>& he
   relax(model, held, held_turns, params, 1.0, state);
 }
 
-void relaxInShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
-                  model::State& state) {
-  // Rounds chosen on a sphere, a torus and a pretzel of 600 samples: with more the pretzel tore after time 0. Steps of up to
-  // 0.8 of the stable one and their numbers: on five shapes of 600 samples, beside 3, 40 and 0.4. With 8 in the last relaxation
-  // three of ten seeds of the scene particles_fit were not at rest.
-  constexpr Index kRounds = 8, kFewIterations = 2, kLastIterations = 20;
-  constexpr double kLengthening = 2.0;
+void relaxFar(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
+              Index max_iterations, model::State& state) {
+  constexpr double kLengthening = 2.0;  // steps of up to 0.8 of the stable one: on five shapes of 600 samples, beside 0.4
   solve::IntegratorParams params;
   params.tolerance = kTolerance;
-  params.max_iterations = kFewIterations;
+  params.max_iterations = max_iterations;
+  relax(model, held, held_turns, params, kLengthening, state);
+}
+
+void restoreShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
+                  model::State& state) {
+  // Chosen on a sphere, a torus and a pretzel of 600 samples: with more rounds the pretzel tore after time 0.
+  constexpr Index kRounds = 8, kFewIterations = 2;
   const std::vector<model::ParticleTraits> given = state.traits;
   for (Index round = 0; round < kRounds; ++round) {
-    relax(model, held, held_turns, params, kLengthening, state);
+    relaxFar(model, held, held_turns, kFewIterations, state);
     model::State found = state;
     model.keepShape(found);
     for (Index i = 0; i < state.size(); ++i)
       state.traits[i].rest_curvature += given[i].rest_curvature - found.traits[i].rest_curvature;
   }
-  params.max_iterations = kLastIterations;
-  relax(model, held, held_turns, params, kLengthening, state);
+}
+
+void relaxInShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
+                  model::State& state) {
+  // With 8 three of ten seeds of the scene particles_fit were not at rest.
+  constexpr Index kLastIterations = 20;
+  restoreShape(model, held, held_turns, state);
+  relaxFar(model, held, held_turns, kLastIterations, state);
 }
 
 Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,

@@ -11,9 +11,17 @@ namespace deformable_surface::simulation {
 void relaxParticles(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
                     Index max_iterations, double tolerance, model::State& state);
 
-/// The same, but towards an equilibrium with the curvature that the particles remember at first. Under the stress of an uneven
-/// lattice they would come to rest beside it, in bumps. Every few hundreds of steps, each rest curvature therefore grows by what
-/// the particle's present curvature lacks. Particles without enough neighbours to tell keep theirs.
+/// The same to a usual tolerance, with steps of twice the length.
+void relaxFar(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
+              Index max_iterations, model::State& state);
+
+/// Particles towards the curvature that they remember at first. Under the stress of an uneven lattice they would come to rest
+/// beside it, in bumps. Every few hundreds of steps, each rest curvature therefore grows by what the particle's present curvature
+/// lacks. Particles without enough neighbours to tell keep theirs. They are not at rest at the end.
+void restoreShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
+                  model::State& state);
+
+/// The same; then all come to rest.
 void relaxInShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
                   model::State& state);
 

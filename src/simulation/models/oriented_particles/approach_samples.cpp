@@ -1,0 +1,107 @@
+#include "approach_samples.h"
+
+#include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "settle_particles.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr Index kBlock = 64;
+constexpr Index kAround = 6;     // samples that say where the surface is: as many as lie around one
+constexpr Index kLookedAt = 12;  // nearest ones among which those that face the same way are taken
+constexpr double kFacing = 0.3;  // least cosine between the normals of a particle and of its samples
+constexpr double kReach = 0.4;   // of the distance of the farthest of them: where weights have fallen to exp(-1/2)
+constexpr double kLevel = 0.5;   // weight of a level plane: slopes of few samples are uncertain, above all at a border
+constexpr double kNoisy = 0.07;  // spacings: scatter of samples about their planes above which they are noisy
+constexpr double kSharp = 0.14;  // spacings: the same, at a sharp edge: on a box and a pretzel of 600 samples
+constexpr Index kRounds = 8, kRoundIterations = 4, kLastIterations = 10;  // hundreds of steps
+
+// Where the samples would have the particles. Where these scatter, as at sharp edges, particles stay.
+model::State moveOnto(const std::vector<SampleOffset>& offsets, const std::vector<char>& held, double spacing,
+                      const model::State& state) {
+  model::State moved = state;
+  for (Index i = 0; i < state.size(); ++i) {
+    if (held[i] || !(offsets[i].scatter <= kSharp * spacing)) continue;
+    const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
+    moved.positions[i] += offsets[i].height * normal;
+    moved.orientations[i] = (Quaternion::FromTwoVectors(normal, normal - offsets[i].slope) * state.orientations[i]).normalized();
+  }
+  return moved;
+}
+
+}  // namespace
+
+std::vector<SampleOffset> findSampleOffsets(const Points& samples, const Points& normals, double spacing,
+                                            const model::State& state) {
+  const cloud::KdTree tree(samples);
+  std::vector<SampleOffset> offsets(state.size());
+  parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
+    std::vector<cloud::Neighbor> near, facing;
+    for (Index i = begin; i < end; ++i) {
+      const Mat3 frame = state.orientations[i].toRotationMatrix();
+      tree.nearest(state.positions[i], kLookedAt, near);
+      facing.clear();
+      for (const cloud::Neighbor& q : near)
+        if (static_cast<Index>(facing.size()) < kAround && normals[q.index].dot(frame.col(2)) > kFacing) facing.push_back(q);
+      if (facing.size() < 3) continue;
+      const double reach = kReach * kReach * facing.back().squared_distance;  // m^2
+      if (!(reach > 0.0)) continue;
+      const Vec3& k = state.traits[i].rest_curvature;
+      Mat3 matrix = Mat3::Zero();
+      Vec3 right = Vec3::Zero();
+      double squares = 0.0;  // m^2
+      for (const cloud::Neighbor& q : facing) {
+        const Vec3 r = frame.transpose() * (samples[q.index] - state.positions[i]);
+        const double x = r.x(), y = r.y(), height = r.z() + 0.5 * (k[0] * x * x + k[1] * y * y + 2.0 * k[2] * x * y);
+        const double weight = std::exp(-0.5 * q.squared_distance / reach);
+        const Vec3 terms(1.0, x, y);
+        matrix += weight * terms * terms.transpose();
+        right += weight * height * terms;
+        squares += weight * height * height;
+      }
+      matrix(1, 1) += kLevel * matrix(0, 0) * reach;
+      matrix(2, 2) += kLevel * matrix(0, 0) * reach;
+      const Vec3 plane = matrix.ldlt().solve(right);
+      if (!(std::abs(plane[0]) < spacing)) continue;  // another part of the surface
+      offsets[i] = {plane[0], frame * Vec3(plane[1], plane[2], 0.0),
+                    std::sqrt(std::max(0.0, (squares - plane.dot(right)) / matrix(0, 0)))};
+    }
+  });
+  return offsets;
+}
+
+bool areNoisy(const std::vector<SampleOffset>& offsets, double spacing) {
+  std::vector<double> scatters;
+  for (const SampleOffset& offset : offsets) scatters.push_back(offset.scatter);
+  const auto middle = scatters.begin() + scatters.size() / 2;
+  std::nth_element(scatters.begin(), middle, scatters.end());
+  return *middle > kNoisy * spacing;
+}
+
+void settleOnSamples(const Points& samples, const Points& normals, const std::vector<char>& held, model::OrientedParticles& model,
+                     model::State& state) {
+  restoreShape(model, held, held, state);
+  for (Index round = 1; round <= kRounds; ++round) {
+    endIfInterrupted();
+    model::State found = state;
+    model.adopt(found);
+    model.keepShape(found);
+    const double spacing = model.lattice().spacing;
+    model::State target = moveOnto(findSampleOffsets(samples, normals, spacing, found), held, spacing, state);
+    model::State wanted = target;
+    model.adopt(wanted);
+    model.keepShape(wanted);
+    for (Index i = 0; i < state.size(); ++i)
+      target.traits[i].rest_curvature += wanted.traits[i].rest_curvature - found.traits[i].rest_curvature;
+    model.setSpacing(model.findSpacingWithoutTension(target));
+    state = target;
+    relaxFar(model, held, held, round < kRounds ? kRoundIterations : kLastIterations, state);
+  }
+}
+
+}  // namespace deformable_surface::simulation
