@@ -17,8 +17,7 @@ constexpr Index kLookedAt = 12;  // nearest ones among which those that face the
 constexpr double kFacing = 0.3;  // least cosine between the normals of a particle and of its samples
 constexpr double kReach = 0.4;   // of the distance of the farthest of them: where weights have fallen to exp(-1/2)
 constexpr double kLevel = 0.5;   // weight of a level plane: slopes of few samples are uncertain, above all at a border
-constexpr double kNoisy = 0.07;  // spacings: scatter of samples about their planes above which they are noisy
-constexpr double kSharp = 0.14;  // spacings: the same, at a sharp edge: on a box and a pretzel of 600 samples
+constexpr double kNoisy = 0.07;  // spacings: scatter of samples about their planes above which they are noisy, or at an edge
 constexpr Index kRounds = 8, kRoundIterations = 4, kLastIterations = 10;  // hundreds of steps
 
 // Where the samples would have the particles. Where these scatter, as at sharp edges, particles stay.
@@ -26,7 +25,7 @@ model::State moveOnto(const std::vector<SampleOffset>& offsets, const std::vecto
                       const model::State& state) {
   model::State moved = state;
   for (Index i = 0; i < state.size(); ++i) {
-    if (held[i] || !(offsets[i].scatter <= kSharp * spacing)) continue;
+    if (held[i] || !(offsets[i].scatter <= kNoisy * spacing)) continue;
     const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
     moved.positions[i] += offsets[i].height * normal;
     moved.orientations[i] = (Quaternion::FromTwoVectors(normal, normal - offsets[i].slope) * state.orientations[i]).normalized();
