@@ -33,6 +33,41 @@ model::State moveOnto(const std::vector<SampleOffset>& offsets, const std::vecto
   return moved;
 }
 
+// The nearest samples that face the way of a particle, nearest first.
+void findFacing(const cloud::KdTree& tree, const Points& normals, const Vec3& position, const Vec3& normal,
+                std::vector<cloud::Neighbor>& near, std::vector<cloud::Neighbor>& facing) {
+  tree.nearest(position, kLookedAt, near);
+  facing.clear();
+  for (const cloud::Neighbor& q : near)
+    if (static_cast<Index>(facing.size()) < kAround && normals[q.index].dot(normal) > kFacing) facing.push_back(q);
+}
+
+// The plane of least squares through the heights of these samples above the quadratic surface of particle i.
+SampleOffset fitPlane(const Points& samples, const std::vector<cloud::Neighbor>& facing, double spacing,
+                      const model::State& state, Index i) {
+  const double reach = kReach * kReach * facing.back().squared_distance;  // m^2
+  if (!(reach > 0.0)) return {};
+  const Mat3 frame = state.orientations[i].toRotationMatrix();
+  const Vec3& k = state.traits[i].rest_curvature;
+  Mat3 matrix = Mat3::Zero();
+  Vec3 right = Vec3::Zero();
+  double squares = 0.0;  // m^2
+  for (const cloud::Neighbor& q : facing) {
+    const Vec3 r = frame.transpose() * (samples[q.index] - state.positions[i]);
+    const double x = r.x(), y = r.y(), height = r.z() + 0.5 * (k[0] * x * x + k[1] * y * y + 2.0 * k[2] * x * y);
+    const double weight = std::exp(-0.5 * q.squared_distance / reach);
+    const Vec3 terms(1.0, x, y);
+    matrix += weight * terms * terms.transpose();
+    right += weight * height * terms;
+    squares += weight * height * height;
+  }
+  matrix(1, 1) += kLevel * matrix(0, 0) * reach;
+  matrix(2, 2) += kLevel * matrix(0, 0) * reach;
+  const Vec3 plane = matrix.ldlt().solve(right);
+  if (!(std::abs(plane[0]) < spacing)) return {};  // another part of the surface
+  return {plane[0], frame * Vec3(plane[1], plane[2], 0.0), std::sqrt(std::max(0.0, (squares - plane.dot(right)) / matrix(0, 0)))};
+}
+
 }  // namespace
 
 std::vector<SampleOffset> findSampleOffsets(const Points& samples, const Points& normals, double spacing,
@@ -42,33 +77,8 @@ std::vector<SampleOffset> findSampleOffsets(const Points& samples, const Points&
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
     std::vector<cloud::Neighbor> near, facing;
     for (Index i = begin; i < end; ++i) {
-      const Mat3 frame = state.orientations[i].toRotationMatrix();
-      tree.nearest(state.positions[i], kLookedAt, near);
-      facing.clear();
-      for (const cloud::Neighbor& q : near)
-        if (static_cast<Index>(facing.size()) < kAround && normals[q.index].dot(frame.col(2)) > kFacing) facing.push_back(q);
-      if (facing.size() < 3) continue;
-      const double reach = kReach * kReach * facing.back().squared_distance;  // m^2
-      if (!(reach > 0.0)) continue;
-      const Vec3& k = state.traits[i].rest_curvature;
-      Mat3 matrix = Mat3::Zero();
-      Vec3 right = Vec3::Zero();
-      double squares = 0.0;  // m^2
-      for (const cloud::Neighbor& q : facing) {
-        const Vec3 r = frame.transpose() * (samples[q.index] - state.positions[i]);
-        const double x = r.x(), y = r.y(), height = r.z() + 0.5 * (k[0] * x * x + k[1] * y * y + 2.0 * k[2] * x * y);
-        const double weight = std::exp(-0.5 * q.squared_distance / reach);
-        const Vec3 terms(1.0, x, y);
-        matrix += weight * terms * terms.transpose();
-        right += weight * height * terms;
-        squares += weight * height * height;
-      }
-      matrix(1, 1) += kLevel * matrix(0, 0) * reach;
-      matrix(2, 2) += kLevel * matrix(0, 0) * reach;
-      const Vec3 plane = matrix.ldlt().solve(right);
-      if (!(std::abs(plane[0]) < spacing)) continue;  // another part of the surface
-      offsets[i] = {plane[0], frame * Vec3(plane[1], plane[2], 0.0),
-                    std::sqrt(std::max(0.0, (squares - plane.dot(right)) / matrix(0, 0)))};
+      findFacing(tree, normals, state.positions[i], state.orientations[i] * Vec3::UnitZ(), near, facing);
+      if (facing.size() >= 3) offsets[i] = fitPlane(samples, facing, spacing, state, i);
     }
   });
   return offsets;

@@ -151,11 +151,11 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   if (keeps_shape && growth.noise > 0.0) particles.smoothShape(kSmoothings, trial);
   // Existing particles keep their motion and, except at the start, their rest shape: their bending may come from a load.
   for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
-  const double least = kClosest * particles.lattice().spacing;
+  const double rest_spacing = particles.lattice().spacing, least = kClosest * rest_spacing;
   moveApart(least, fixed, trial);
   const bool remembers = keeps_shape && is_start && !(growth.noise > 0.0);
-  if (remembers && lets_go && !growth.chain &&
-      !areNoisy(findSampleOffsets(samples, sample_normals, least / kClosest, trial), least / kClosest)) {
+  if (remembers && lets_go && !growth.chain && before > 0 &&
+      !areNoisy(findSampleOffsets(samples, sample_normals, rest_spacing, trial), rest_spacing)) {
     settleOnSamples(samples, sample_normals, fixed, particles, trial);
     model_.setSpacing(particles.lattice().spacing);
   } else if (remembers) {
