@@ -18,7 +18,8 @@ struct SampleOffset {
 std::vector<SampleOffset> findSampleOffsets(const Points& samples, const Points& normals, double spacing,
                                             const model::State& state);
 
-/// Whether the samples scatter as noisy ones do: particles that follow them would be uneven. By the median over the particles.
+/// Whether samples scatter about the planes of more than a third of the particles, from noise or from features as fine as their
+/// distance: particles that follow them would be uneven, and the surface may tear.
 bool areNoisy(const std::vector<SampleOffset>& offsets, double spacing);
 
 /// Particles grown through samples, with the rest curvatures of the grown surface, towards an equilibrium that lies on the
