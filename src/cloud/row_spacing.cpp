@@ -1,10 +1,13 @@
 #include "deformable_surface/cloud/row_spacing.h"
 
+#include "deformable_surface/base/median.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::cloud {
@@ -51,12 +54,6 @@ Group findGroup(const Points& x, const Lists& neighbors, Index i, double step) {
   return {static_cast<Index>(members.size()), std::isfinite(next) ? next : 0.0};
 }
 
-double findMedian(std::vector<double>& values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 RowSpacing findRowSpacing(const Points& x, const Lists& neighbors) {
@@ -84,11 +81,11 @@ RowSpacing findRowSpacing(const Points& x, const Lists& neighbors) {
     in_groups.push_back(group.next > 0.0 ? along / group.next : 1.0);
   }
   RowSpacing result;
-  if (shares.empty() || findMedian(shares) > kInRows) return result;
-  if (findMedian(sizes_of_groups) < kNear)
-    result.groups = std::min(1.0, findMedian(in_groups));
+  if (shares.empty() || findMedian(std::move(shares)) > kInRows) return result;
+  if (findMedian(std::move(sizes_of_groups)) < kNear)
+    result.groups = std::min(1.0, findMedian(std::move(in_groups)));
   else
-    result.rows = std::clamp(findMedian(spacings), 1.0, kFarthestRows);
+    result.rows = std::clamp(findMedian(std::move(spacings)), 1.0, kFarthestRows);
   return result;
 }
 

@@ -205,7 +205,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},
                                 [](const Passed& a, const Passed& b) { return a.point < b.point; });
     };
-    const auto isLeft = [&](const model::WeightedTriangle& t) {
+    const auto isPierced = [&](const model::WeightedTriangle& t) {
       const Vec3 before[3] = {before_[t.corner[0]], before_[t.corner[1]], before_[t.corner[2]]};
       const Vec3 after[3] = {state.positions[t.corner[0]], state.positions[t.corner[1]], state.positions[t.corner[2]]};
       return wentThrough(from.position, to.position, before, after) && !isPassed(t.corner[0]) && !isPassed(t.corner[1]) &&
@@ -216,7 +216,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       return body.passed.empty() && isWithin(to.position, triangles, state.positions) &&
              (had_passed || !isWithin(from.position, triangles, before_));
     };
-    if (!(is_body ? hasComeIn() : std::any_of(triangles.begin(), triangles.end(), isLeft))) continue;
+    if (!(is_body ? hasComeIn() : std::any_of(triangles.begin(), triangles.end(), isPierced))) continue;
     gone_through_ = body.tool.id;
     if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) continue;
     appendNotice(notice, "tool " + quote(body.tool.id) + " has passed through the surface" +

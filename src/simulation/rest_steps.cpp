@@ -69,7 +69,7 @@ void warnOfRows(RestSurface& s) {
     s.warnings.push_back(
         "most points have others nearly at the same place, at about " + formatShort(roundToTwoDigits(spacing.groups)) +
         " of the distance to the points around: two layers or more, or one scan several times with a shift; layers so near are "
-        "joined to one body; a cloud that has each place of one layer once avoids this");
+        "joined to one body; a cloud of one layer, with each point once, avoids this");
   if (spacing.rows < kFarRows) return;
   const std::string times = spacing.rows < cloud::kFarthestRows
                                 ? "about " + formatShort(std::round(10.0 * spacing.rows) / 10.0) + " times"
