@@ -252,7 +252,7 @@ void Dynamics::setContactRate(double rate) {
   loads_.contact.setStiffening(traits.contact_stiffening);
   if (!loads_.self_contact) return;
   contact::SelfContact& contact = loads_.self_contact->contact;
-  // Soft layers that lie on each other would rest where contact limits motion, at half of the thickness.
+  // With less, soft layers that lie on each other would rest at half of the thickness, where contact limits motion.
   const double bearing = std::sqrt(2.0 * kBornePerSpring * loads_.gravity.gravity.norm() / contact.pairs().thickness());
   contact.setRate(std::max(std::sqrt(traits.self_contact_stiffening) * kSelfContactRate / kContactRate * rate, bearing));
 }

@@ -87,7 +87,7 @@ void OrientedParticles::keepOpen(const State& state, double angle, std::vector<c
   for (Index i = 0; i < state.size(); ++i) {
     if (!is_open[i]) continue;
     const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
-    // Directions in the tangent plane, with fn(direction) for each that faces the same way.
+    // Calls take(direction, j) for each that faces the same way: the unit direction to it in the tangent plane.
     const auto forEachDirection = [&](const auto& take) {
       forEachNear(i, lattice_.pair.cutoff, [&](Index j, double) {
         if (!(normal.dot(state.orientations[j] * Vec3::UnitZ()) > 0.0)) return;

@@ -5,7 +5,7 @@
 
 namespace deformable_surface::simulation {
 
-/// What a particle is from the surface of the samples around it.
+/// Where the surface through the samples around a particle lies, seen from the particle.
 struct SampleOffset {
   double height = 0.0;        // m, of that surface above the particle along its normal
   Vec3 slope = Vec3::Zero();  // rad, its gradient across the normal
