@@ -79,4 +79,9 @@ CleanCloud clean(const PointCloud& input, double max_coordinate) {
   return result;
 }
 
+std::shared_ptr<const KdTree> findTree(const CleanCloud& cloud) {
+  if (cloud.tree && cloud.tree->holds(cloud.positions)) return cloud.tree;
+  return std::make_shared<KdTree>(cloud.positions);
+}
+
 }  // namespace deformable_surface::cloud

@@ -65,8 +65,9 @@ std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbo
   std::vector<double> nearest(n, std::numeric_limits<double>::infinity());  // that stays and came before
   std::vector<Index> num_kept(num_parts, 0);
   std::vector<char> is_kept(n, 0);
-  const auto forNear = [&](Index i, const auto& visit) {
+  const auto forNear = [&](Index i, const auto& isAsked, const auto& visit) {
     for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+      if (!isAsked(*j)) continue;
       const double distance = (cloud.positions[*j] - cloud.positions[i]).norm();
       if (!(distance < least)) break;
       if (cloud.part[*j] == cloud.part[i]) visit(*j, distance);
@@ -75,15 +76,16 @@ std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbo
   const auto keep = [&](Index i) {
     is_kept[i] = 1;
     ++num_kept[cloud.part[i]];
-    forNear(i, [&](Index j, double distance) { nearest[j] = std::min(nearest[j], distance); });
+    forNear(
+        i, [](Index) { return true; }, [&](Index j, double distance) { nearest[j] = std::min(nearest[j], distance); });
   };
   for (Index i = 0; i < n; ++i)
     if (cloud.stays[i]) keep(i);
   // Lists are not mutual: where the sampling changes, one of two near points may not list the other.
   const auto lookBack = [&](Index i) {
-    forNear(i, [&](Index j, double distance) {
-      if (is_kept[j]) nearest[i] = std::min(nearest[i], distance);
-    });
+    forNear(
+        i, [&](Index j) { return is_kept[j] != 0; },
+        [&](Index, double distance) { nearest[i] = std::min(nearest[i], distance); });
   };
   for (Index i = 0; i < n; ++i) {
     if (!is_left[i] || cloud.stays[i]) continue;

@@ -7,6 +7,7 @@
 #include "k_nearest.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -220,6 +221,19 @@ void KdTree::remove(Index point) {
   // Half of the points are gone: a new tree for the others costs less than searching through the gaps.
   slots_.erase(std::remove_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return std::isnan(slot.x); }), slots_.end());
   rebuild();
+}
+
+bool KdTree::holds(const Points& points) const {
+  const Index n = static_cast<Index>(points.size());
+  if (size() != n || num_alive_ != n) return false;
+  std::atomic<bool> are_same{true};
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index s = begin; s < end; ++s) {
+      const Slot& slot = slots_[s];
+      if (points[slot.point] != Vec3(slot.x, slot.y, slot.z)) are_same = false;
+    }
+  });
+  return are_same;
 }
 
 const std::vector<Index>& KdTree::order() const { return order_; }

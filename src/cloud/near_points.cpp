@@ -125,9 +125,9 @@ NearPoints mergeNearPoints(CleanCloud& cloud) {
   Points before;
   std::vector<Index> place;  // (n) where each point is now; empty: where it was
   for (;;) {
-    const KdTree tree(cloud.positions);
-    if (place.empty()) result.spacing = findTypicalSpacing(tree, cloud.positions);
-    const std::vector<Index> nearest = findAlmostSame(tree, cloud.positions, result.spacing);
+    cloud.tree = std::make_shared<KdTree>(cloud.positions);
+    if (place.empty()) result.spacing = findTypicalSpacing(*cloud.tree, cloud.positions);
+    const std::vector<Index> nearest = findAlmostSame(*cloud.tree, cloud.positions, result.spacing);
     if (std::all_of(nearest.begin(), nearest.end(), [](Index j) { return j < 0; })) break;
     if (place.empty()) {
       before = cloud.positions;

@@ -214,9 +214,10 @@ class GroupSearch {
 
 }  // namespace
 
-Lists nearestNeighbors(const Points& points, Index k) {
+Lists nearestNeighbors(const Points& points, Index k) { return nearestNeighbors(points, KdTree(points), k); }
+
+Lists nearestNeighbors(const Points& points, const KdTree& tree, Index k) {
   if (k < 0) throw InputError("nearest neighbours: k is " + std::to_string(k) + "; it must be 0 or more");
-  const KdTree tree(points);
   const Index n = tree.size();
   const Index count = std::min(k, std::max(n - 1, 0));
   if (static_cast<double>(count) * n > std::numeric_limits<Index>::max()) {

@@ -208,8 +208,7 @@ NoiseProfile measureSeenNoise(const Points& directions, const KdTree& tree, cons
 
 }  // namespace
 
-ScatteredNoise measureNoise(const Points& positions) {
-  const KdTree tree(positions);
+ScatteredNoise measureNoise(const Points& positions, const KdTree& tree) {
   ScatteredNoise noise;
   Level before;
   // In the smallest windows. Larger ones then hold more than one layer; a volume sampled in slices counts as layers, too.

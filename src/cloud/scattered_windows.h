@@ -2,7 +2,7 @@
 // if no eye is known, in space. Private.
 #pragma once
 
-#include "deformable_surface/base/types.h"
+#include "deformable_surface/cloud/kd_tree.h"
 
 namespace deformable_surface::cloud {
 
@@ -12,8 +12,8 @@ struct ScatteredNoise {
   bool is_thick = false;   // points fill their neighbourhoods as in a ball: they show no surface
 };
 /// From the residuals of the best quadratics over windows of a sample of the points. Noise leaves the same variance in windows of
-/// twice the points; shape leaves more; layers leave two groups. O(n log n).
-ScatteredNoise measureNoise(const Points& positions);
+/// twice the points; shape leaves more; layers leave two groups. tree: holds the positions. O(n log n).
+ScatteredNoise measureNoise(const Points& positions, const KdTree& tree);
 
 struct FittedPoints {
   Points positions;       // (n) on the surface; unchanged for points without explained windows

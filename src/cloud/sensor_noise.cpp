@@ -108,7 +108,7 @@ bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
 }
 
 void fitScattered(const PointCloud& input, const CleanCloud& cloud, const OrAuto<double>& deviation, SensorNoise& noise) {
-  const ScatteredNoise measured = measureNoise(cloud.positions);
+  const ScatteredNoise measured = measureNoise(cloud.positions, *findTree(cloud));
   noise.deviation = deviation.valueOr(measured.deviation);
   noise.spacing = measured.spacing;
   noise.is_thick = deviation.is_auto && measured.is_thick;

@@ -56,7 +56,9 @@ Index findCoarsest(const SceneParams& params) {
 }
 
 RestSurface prepareSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose) {
-  return findModel(params.model).prepare(keepWhatPrepares(params), input, coarsest, to_choose);
+  RestSurface s = findModel(params.model).prepare(keepWhatPrepares(params), input, coarsest, to_choose);
+  s.dense.tree.reset();
+  return s;
 }
 
 }  // namespace deformable_surface::simulation

@@ -165,7 +165,7 @@ FoundNeighbors findNeighbors(const SceneParams& scene, RestSurface& s) {
                                              2 * params.k, scene.input.min_gap);
     return {};
   }
-  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, *cloud::findTree(s.dense), 2 * params.k);
   // Particles have no rings that could come apart.
   if (!s.is_thick && !findModel(scene.model).traits().is_oriented) warnOfRows(s);
   if (params.areEuclidean() || s.is_thick) return {{}, std::vector<char>(s.dense.positions.size(), 1)};
@@ -191,7 +191,7 @@ FoundNeighbors findNeighbors(const SceneParams& scene, RestSurface& s) {
 }
 
 FoundNeighbors findBodyNeighbors(const SceneParams& params, RestSurface& s) {
-  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, *cloud::findTree(s.dense), 2 * params.neighbors.k);
   keepNearOverBody(params.neighbors, s.dense.positions, s.dense_neighbors, s);
   return {Points(s.dense.positions.size(), Vec3::Zero()), {}};
 }

@@ -76,6 +76,16 @@ TEST(Clean, AcceptsNothingAndNothingUsable) {
   EXPECT_EQ(std::vector<Index>{-1}, c.point_of_input);
 }
 
+TEST(Clean, TheTreeIsKeptAsLongAsThePointsStay) {
+  CleanCloud c = clean(makeCloud({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+  const std::shared_ptr<const KdTree> made = findTree(c);
+  c.tree = made;
+  EXPECT_EQ(made, findTree(c));
+  c.positions[1].z() = 1e-9;
+  EXPECT_NE(made, findTree(c));
+  EXPECT_TRUE(findTree(c)->holds(c.positions));
+}
+
 TEST(Clean, RefusesWrongCountsAndLimits) {
   EXPECT_THROW(clean(makeCloud({{0, 0, 0}}, {{0, 0, 1}, {0, 0, 1}})), InputError);
   EXPECT_THROW(clean(makeCloud({{0, 0, 0}}), 0.0), InputError);

@@ -127,6 +127,19 @@ TEST(KdTree, IsEmptyWithoutPoints) {
   EXPECT_EQ(0, tree.size());
 }
 
+TEST(KdTree, HoldsItsPointsInTheirPlacesUntilOneIsRemoved) {
+  Points points = makeRandomPoints(100, 1.0, 5);
+  KdTree tree(points);
+  EXPECT_TRUE(tree.holds(points));
+  std::swap(points[3], points[80]);
+  EXPECT_FALSE(tree.holds(points));
+  std::swap(points[3], points[80]);
+  tree.remove(80);
+  EXPECT_FALSE(tree.holds(points));
+  points.pop_back();
+  EXPECT_FALSE(tree.holds(points));
+}
+
 TEST(KdTree, OrderNamesEveryPointOnceAndKeepsNearPointsTogether) {
   const Points points = makeRandomPoints(4000, 1.0, 5);
   const KdTree tree(points);

@@ -34,6 +34,9 @@ class KdTree {
   /// Removes a point from later answers. O(log n) on average: the tree is rebuilt whenever half of its points are removed.
   void remove(Index point);
 
+  /// Whether these are its points, in their places, with none removed. O(n).
+  bool holds(const Points& points) const;
+
   /// All points, removed ones included, in the first order of the tree: near in the list means near in space. Loops over
   /// queries run in this order.
   const std::vector<Index>& order() const;
@@ -66,5 +69,8 @@ class KdTree {
 
 /// The k nearest other points of every point (fewer if there are not as many), nearest first. Parallel. O(n (log n + k log k)).
 Lists nearestNeighbors(const Points& points, Index k);
+
+/// The same with a tree that holds the points.
+Lists nearestNeighbors(const Points& points, const KdTree& tree, Index k);
 
 }  // namespace deformable_surface::cloud

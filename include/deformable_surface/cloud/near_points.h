@@ -19,7 +19,7 @@ struct NearPoints {
 /// them, so that fine parts of a cloud stay. A heap of any size within a millionth of the spacing becomes one. Of a group, the
 /// least position (by x, y, z) stays and the first normal that is one, at the place of the first point: as for points of equal
 /// positions, the order of the input decides the numbers and the normal alone. A cloud without such points stays as it is.
-/// O(n log n).
+/// The cloud keeps the tree. O(n log n).
 NearPoints mergeNearPoints(CleanCloud& cloud);
 
 }  // namespace deformable_surface::cloud

@@ -32,6 +32,7 @@ struct RestSurface {
   cloud::PixelLinks pixel_links;   // of an image whose points were moved onto the surface; else empty
   bool is_thick = false;           // the points fill their neighbourhoods: over the surface is where it is near in space
   Lists dense_neighbors;           // (dense) nearest first
+  std::vector<char> is_boundary;   // (dense) of a mass-spring surface until it is finished; empty: not known
   std::vector<Index> leader;       // (dense) the one with which each goes that no list has, -1: with what is near; empty: none
   cloud::Simplification order;     // of the dense points: every coarser set of simulation points is a prefix of it
   Points points, normals;          // (m x 3) simulation points

@@ -172,7 +172,7 @@ void finishSolid(const SceneParams& params, model::Outline outline, RestSurface&
 // Simulation points, their neighbours and the transfer.
 void prepareBody(const SceneParams& params, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
-  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, *cloud::findTree(s.dense), 2 * params.neighbors.k);
   std::vector<double> detours = keepNearOverBody(params.neighbors, s.dense.positions, s.dense_neighbors, s);
   s.across = findAcross(params, s);
   const bool is_planar = !s.across.isZero(0.0);

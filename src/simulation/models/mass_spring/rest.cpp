@@ -128,13 +128,15 @@ void buildModel(const SceneParams& params, const RestSurface& full, RestSurface&
 // copies of the error estimate.
 void noteBridgedGaps(const SceneParams& params, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
+  std::vector<char> is_boundary = std::move(s.is_boundary);
   if (static_cast<Index>(s.points.size()) >= n || s.dense_neighbors.size() != n) return;
-  const cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, s.dense.normals, s.dense_neighbors, params.neighbors.k);
+  if (is_boundary.empty())
+    is_boundary = cloud::findBoundary(s.dense.positions, s.dense.normals, s.dense_neighbors, params.neighbors.k).is_boundary;
   const cloud::KdTree tree(s.points);
   std::vector<cloud::Neighbor> nearest;
   Index bridged = 0;
   for (Index i = 0; i < n; ++i) {
-    if (!boundary.is_boundary[i]) continue;
+    if (!is_boundary[i]) continue;
     tree.nearest(s.dense.positions[i], 3, nearest);
     bridged += std::none_of(nearest.begin(), nearest.end(), [&](const auto& p) { return s.rings.open[p.index] != 0; });
   }
@@ -204,7 +206,10 @@ RestSurface prepareMassSpring(const SceneParams& params, const cloud::PointCloud
   std::vector<Index> kept = chooseSimulationPoints(params, chooseHeldPoints(params, seen.dense.positions), boundary, coarsest,
                                                    seen, half ? kOneByOneOfHalf : cloud::kOneByOne);
   s.area = cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors, found.are_nearest);
-  if (half) takeHalf(*viewpoint, std::move(*half), kept, s);
+  if (half)
+    takeHalf(*viewpoint, std::move(*half), kept, s);
+  else
+    s.is_boundary = std::move(boundary.is_boundary);
   noteLeftOut(s);
   if (to_choose) return s;
   takeSimulationPoints(params, std::move(kept), s);
