@@ -29,32 +29,10 @@ constexpr Index kBlock = 4;  // patches or couples per task
 
 Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
 
-template <std::size_t N>
-Box boundOf(const Points& positions, const std::array<Index, N>& vertices) {
-  Box box;
-  for (const Index v : vertices) box.extend(positions[v]);
-  return box;
-}
-
 std::vector<Box> boundAll(const Patches& patches, const Points& positions) {
   std::vector<Box> boxes;
   for (Index p = 0; p < patches.size(); ++p) boxes.push_back(patches.boundOf(p, positions));
   return boxes;
-}
-
-std::vector<Edge> listEdges(Index n, const std::vector<Triangle>& triangles) {
-  std::vector<Edge> edges;
-  for (const Triangle& t : triangles) {
-    for (int k = 0; k < 3; ++k) {
-      if (t[k] < 0 || t[k] >= n)
-        throw InputError("contact: found a triangle with vertex " + std::to_string(t[k]) + "; accepted: 0 to " +
-                         std::to_string(n - 1));
-      edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  return edges;
 }
 
 std::vector<Index> listVertices(Index n, const std::vector<Edge>& edges, bool takes_lone_points) {
@@ -110,22 +88,15 @@ bool PairList::findCrossed(const Points& positions) {
   for (const Triangle& t : triangles_) boxes.push_back(boundOf(positions, t));
   const BoxTree tree(boxes);
   std::vector<char> crosses(triangles_.size(), 0);
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    if (!is_edge_whole_.empty() && is_edge_whole_[e] == 0) continue;
-    const Edge& edge = edges_[e];
-    const Vec3 &p = positions[edge[0]], &q = positions[edge[1]];
-    tree.visitMeeting(boundOf(positions, edge), [&](Index t) {
-      const Triangle& v = triangles_[t];
-      const bool are_joined = std::any_of(v.begin(), v.end(), [&](Index i) { return i == edge[0] || i == edge[1]; });
-      const bool is_cut = !is_whole_.empty() && is_whole_[t] == 0;
-      if (are_joined || is_cut || !pierces(p, q, positions[v[0]], positions[v[1]], positions[v[2]])) return;
-      if (crossings_.empty()) first_crossing_ = 0.5 * (p + q);
-      crossings_.push_back({static_cast<Index>(e), t});
-      crosses[t] = 1;
-      for (const Index e : edge)
-        for (const Index i : v) crossed_.push_back({std::min(e, i), std::max(e, i)});
-    });
-  }
+  visitCrossings(positions, edges_, triangles_, tree, [&](const Crossing& crossing) {
+    if (!is_whole_.empty() && (is_edge_whole_[crossing.edge] == 0 || is_whole_[crossing.triangle] == 0)) return;
+    const Edge& edge = edges_[crossing.edge];
+    if (crossings_.empty()) first_crossing_ = 0.5 * (positions[edge[0]] + positions[edge[1]]);
+    crossings_.push_back(crossing);
+    crosses[crossing.triangle] = 1;
+    for (const Index e : edge)
+      for (const Index i : triangles_[crossing.triangle]) crossed_.push_back({std::min(e, i), std::max(e, i)});
+  });
   std::sort(crossed_.begin(), crossed_.end());
   crossed_.erase(std::unique(crossed_.begin(), crossed_.end()), crossed_.end());
   num_crossed_ = std::count(crosses.begin(), crosses.end(), char{1});

@@ -80,8 +80,17 @@ void Dynamics::makeSelfContact(Made made) {
   if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
   loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), meeting);
   if (wanted.is_auto && !made.is_fork) why_no_self_contact_ = describeLie(loads_.self_contact->contact.findLie(rest_->points));
-  if (!why_no_self_contact_.empty()) loads_.self_contact.reset();
+  if (!why_no_self_contact_.empty()) {
+    skin_without_contact_ = loads_.self_contact->skin();
+    loads_.self_contact.reset();
+  }
   if (loads_.self_contact) system_.setMotionLimit(&loads_.self_contact->limit);
+}
+
+std::shared_ptr<const ContactSkin> Dynamics::skinWithoutContact() {
+  if (!skin_without_contact_)
+    skin_without_contact_ = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
+  return skin_without_contact_;
 }
 
 Dynamics::Dynamics(const SceneParams& params, RestSurface rest) : Dynamics(params, take(std::move(rest))) {

@@ -46,6 +46,8 @@ class Dynamics {
   const std::string& growthNotice() const { return growth_notice_; }
   /// Why contact.self: auto is off; empty: it is on, or not auto.
   const std::string& whyNoSelfContact() const { return why_no_self_contact_; }
+  /// Of a surface or body that has none; made when first asked for, unless the choice of `auto` has made it.
+  std::shared_ptr<const ContactSkin> skinWithoutContact();
   const std::string& growthWarning() const { return growth_warning_; }
 
   /// Carries out a command that was checked (command_checks.h). Edits of particles throw InputError, and change nothing, if they
@@ -299,6 +301,7 @@ class Dynamics {
   // Since the last reset:
   bool has_reported_grazing_ = false;
   std::string why_no_self_contact_;
+  std::shared_ptr<const ContactSkin> skin_without_contact_;  // null: not made
   bool has_told_compliance_ = false;
   UntanglingProgress untangling_;
   Index reported_loose_ = 0;   // points of loose parts, as said last since the last reset

@@ -12,6 +12,7 @@
 #include "accuracy.h"
 #include "accuracy_probe.h"
 #include "command_checks.h"
+#include "rest_parts.h"
 #include "spacing.h"
 #include "step_messages.h"
 
@@ -23,8 +24,9 @@ bool isOne(const Command& command) {
   return (std::holds_alternative<Kinds>(command) || ...);
 }
 
-constexpr double kHaltedShare = 0.5;   // of the sub-steps of a step: from here on the motion is told to be wrong
-constexpr double kThickContact = 1.5;  // spacings: at two a run took four times as long as at a half
+constexpr double kHaltedShare = 0.5;         // of the sub-steps of a step: from here on the motion is told to be wrong
+constexpr std::uint64_t kStepsPerLook = 32;  // a look takes less than one of the steps in which it was timed
+constexpr double kThickContact = 1.5;        // spacings: at two a run took four times as long as at a half
 
 // Refuses lengths in millimetres for metres, for example. Warns of a thickness that makes steps slow.
 void checkContactThickness(const SceneParams& params, const RestSurface& surface, std::vector<std::string>& warnings) {
@@ -64,7 +66,7 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
     dynamics().chooseIntegrator(choice.integrator);
   const ModelKind& kind = dynamics().kind();
-  if (params.contact.self.is_auto && kind.traits().meets_itself && !dynamics().loads().self_contact) {
+  if (isSelfContactOff()) {
     const std::string why = ", and parts can pass through each other: " + dynamics().whyNoSelfContact() + "; true switches it on";
     if (isSelfContactOffByChoice()) {
       sayOfChoice("contact.self: auto is off with these points" + why);
@@ -85,12 +87,17 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   surface.reset();
 }
 
+// Whether `auto` has left it off.
+bool Simulation::Impl::isSelfContactOff() const {
+  return dynamics().params().contact.self.is_auto && dynamics().kind().traits().meets_itself && !dynamics().loads().self_contact;
+}
+
 // Whether the points that an accuracy target has chosen are among the reasons.
 bool Simulation::Impl::isSelfContactOffByChoice() const {
   const ModelTraits traits = dynamics().kind().traits();
   const SceneParams& params = dynamics().params();
-  return choice.is_asked && params.contact.self.is_auto && !dynamics().loads().self_contact && traits.meets_itself &&
-         traits.is_surface && dynamics().rest().across.isZero(0.0) && params.integrator.type != solve::IntegratorType::kStatic;
+  return choice.is_asked && isSelfContactOff() && traits.is_surface && dynamics().rest().across.isZero(0.0) &&
+         params.integrator.type != solve::IntegratorType::kStatic;
 }
 
 // Adds to the sentence of the choice, which is one of the notes.
@@ -136,7 +143,8 @@ void Simulation::Impl::reset() {
   trial_notice.clear();
   lasting.clear();
   fallbacks.clear();
-  is_target_missed = is_target_kept = was_commanded = false;
+  is_target_missed = is_target_kept = was_commanded = is_passage_told = false;
+  passages.reset();
   largest_error = 0.0;
   tracking = {};
   surface.reset();
@@ -173,6 +181,7 @@ StepOutcome Simulation::Impl::step() {
   if (taken.ok) {
     appendNotice(outcome.notice, tellTargetKept());
     appendNotice(outcome.notice, tellWhatLasts(taken));
+    if (!taken.has_slept) appendNotice(outcome.notice, tellPassage(taken.is_static));
     if (fallbacks.endStep(dynamics().time(), dt, taken.report.fallbacks > 0))
       appendNotice(outcome.notice, describeFallbacks(dynamics().lastIntegrator(), fallbacks.count(), fallbacks.steps()));
     outcome.notice = lasting.endStep(now, dt, taken.is_static, outcome.notice);
@@ -226,6 +235,22 @@ void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
   appendNotice(taken.notice, "the expected error, " + formatReal(error) + " m, has grown beyond accuracy.position_error, " +
                                  formatReal(target) + " m");
   is_target_missed = true;
+}
+
+// Once, in steps that are far apart, so that looking takes next to no time.
+std::string Simulation::Impl::tellPassage(bool is_static) {
+  if (is_passage_told || !isSelfContactOff() || !(is_static || dynamics().stepCount() % kStepsPerLook == 0)) return {};
+  const RestSurface& rest = dynamics().rest();
+  const ModelKind& kind = dynamics().kind();
+  if (!rest.across.isZero(0.0)) return {};
+  if (!passages) passages.emplace(rest.points, dynamics().skinWithoutContact());
+  const auto found =
+      passages->look(dynamics().state().positions, kind.traits().is_surface ? &trianglesOf(dynamics().model()) : nullptr);
+  if (!found) return {};
+  is_passage_told = true;
+  return "parts of the surface have come to pass through each other (" +
+         count(found->triangles, "of its triangles are crossed by others, one of them near ") + formatPlace(found->place) +
+         " m): contact.self: auto is off here; true keeps them apart";
 }
 
 // Once, at the end of the duration, of a target of which the choice could not tell whether it would be met.

@@ -14,6 +14,7 @@
 #include "estimated_dynamics.h"
 #include "frequent_steps.h"
 #include "lasting_notices.h"
+#include "passage_watch.h"
 
 namespace deformable_surface::simulation {
 
@@ -58,6 +59,8 @@ struct Simulation::Impl {
   TrackingWatch tracking;         // since the last reset
   LastingNotices lasting;         // since the last reset, fork or snapshot
   FrequentSteps fallbacks;        // to another integrator; since then
+  std::optional<PassageWatch> passages;  // made when parts are first looked for that pass through each other
+  bool is_passage_told = false;          // since the last reset; a fork leaves it to the first
 
   Statistics statistics;
   std::optional<std::uint64_t> measured_revision;  // of the dynamics, that the statistics are of
@@ -73,6 +76,7 @@ struct Simulation::Impl {
   Dynamics& dynamics() { return run.dynamics(); }
   const Dynamics& dynamics() const { return run.dynamics(); }
 
+  bool isSelfContactOff() const;
   bool isSelfContactOffByChoice() const;
   void sayOfChoice(const std::string& more);
   Changes apply(const Command& command);
@@ -83,6 +87,7 @@ struct Simulation::Impl {
   void finishStep(EstimatedDynamics::Outcome& taken);
   std::string tellWhatLasts(const EstimatedDynamics::Outcome& taken);
   std::string tellTargetKept();
+  std::string tellPassage(bool is_static);
 
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);
   std::shared_ptr<const Snapshot::Contents> save(bool is_sight) const;

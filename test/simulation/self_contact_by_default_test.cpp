@@ -101,6 +101,34 @@ TEST(SelfContactByDefault, WhatHasNoContactIsTold) {
   EXPECT_NE(firstNotice(3, 0.007).find("no contact with itself"), std::string::npos);
 }
 
+// The upper half of a soft ball falls through the lower one, which is held.
+TEST(SelfContactByDefault, TellsOnceThatPartsHavePassedThroughEachOther) {
+  simulation::SceneParams p;
+  p.material.young_modulus = 2e4;
+  p.material.damping = 3.0;
+  p.integrator.time_step = 0.005;
+  p.accuracy.estimate = false;
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-1.0, -1.0, -1.0);
+  pin.region.max = Vec3(1.0, 1.0, -0.08);
+  p.pins = {pin};
+  const cloud::PointCloud ball = asCloud(makeSphere(500, 0.16).points);
+  const auto countTold = [](Simulation& s) {
+    int told = 0;
+    for (int k = 0; k < 96; ++k) told += s.step().notice.find("have come to pass through each other") != std::string::npos;
+    return told;
+  };
+  Simulation s(p, ball);
+  EXPECT_EQ(countTold(s), 1);
+  s.reset();
+  EXPECT_EQ(countTold(s), 1);
+  for (const bool is_on : {true, false}) {
+    p.contact.self = is_on;
+    Simulation chosen(p, ball);
+    EXPECT_EQ(countTold(chosen), 0);
+  }
+}
+
 // Triangles of the surface that overlap on a rough sheet: an edge of one passes through the other, with which it shares a vertex.
 TEST(SelfContactByDefault, OfTrianglesThatPassThroughTheirNeighboursTheLargerHasNoContact) {
   const Points rest = {Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.5, 0.5, 0.3), Vec3(0.1, 0.1, -0.3)};

@@ -5,6 +5,7 @@
 #include "deformable_surface/contact/box_tree.h"
 #include "deformable_surface/contact/closest_points.h"
 #include "deformable_surface/contact/cover.h"
+#include "deformable_surface/contact/crossings.h"
 #include "deformable_surface/contact/patches.h"
 #include "deformable_surface/contact/primitives.h"
 
@@ -30,11 +31,6 @@ inline Closest findClosest(const Pair& pair, const Points& positions) {
              &d = positions[pair.vertices[3]];
   return pair.is_edges ? findClosestOfEdges(a, b, c, d) : findClosestToTriangle(a, b, c, d);
 }
-
-/// An edge that passes through the inside of a triangle.
-struct Crossing {
-  Index edge, triangle;
-};
 
 /// Lists the near pairs, and determines how long the list is valid.
 ///
