@@ -74,10 +74,13 @@ void ContactDamping::addIndefiniteStiffness(double time, const model::State& sta
   });
 }
 
-void ContactDamping::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
-  for (const ContactLoad::Body& body : contact_.all())
-    for (Index i = 0; contact_.isDamped(body.tool) && i < state.size(); ++i)
-      damping[i] += coefficient(contact_.points().dampedMassOn(i));
+void ContactDamping::addRowBounds(double time, const model::State& state, std::vector<double>&,
+                                  std::vector<double>& damping) const {
+  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
+    if (!contact_.isDamped(contact_.all()[b].tool)) continue;
+    contact_.listNear(b, time, state, near_);
+    for (const Index i : near_) damping[i] += coefficient(contact_.points().dampedMassOn(i));
+  }
 }
 
 }  // namespace deformable_surface::simulation

@@ -407,36 +407,41 @@ void ContactLoad::addStiffness(double time, const model::State& state, double, B
   }
 }
 
-// For simulation points in any case, so that the bound is constant while contacts change; for other points only in contact. What
-// is stiffer counts where it may act before the bound is asked for again.
-void ContactLoad::addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
-                               std::vector<double>&) const {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const ToolParams& tool = bodies_[b].tool;
-    const double per_mass = tool::isPushing(tool) ? rate_ * rate_ : tool.strength / points_.totalMass();
-    for (Index i = 0; i < state.size(); ++i)
-      stiffness[i] += std::min(per_mass * points_.massOf(i), tool::isPushing(tool) ? padOf(i, false) : kNoPad);
-    if (tool::isPushing(tool) && stiffening_ > 1.0) addStiffBounds(bodies_[b], time, state, stiffness);
-    if (!points_.between()) continue;
-    for (const Touch& touch : findTouches(b, time, state))
-      if (points_.isBetween(touch.point)) points_.addRowBound(touch.point, touch.stiffness, stiffness);
+void ContactLoad::listNear(std::size_t b, double time, const model::State& state, std::vector<Index>& near) const {
+  near.clear();
+  near.reserve(state.size());
+  const ToolParams& tool = bodies_[b].tool;
+  if (!bodies_[b].acts.value_or(tool::isActive(tool, time))) return;
+  const double ahead = rate_ > 0.0 ? kAhead / rate_ : 0.0, radius = kBallMargin * findRadius(tool.shape);
+  const tool::Pose pose = tool::interpolate(tool.path, time);
+  const tool::Motion now = tool::findMotion(tool.path, time), later = tool::findMotion(tool.path, time + ahead);
+  const transfer::SampledPoints* const between = tool::isPushing(tool) ? points_.between() : nullptr;
+  for (Index i = 0; i < state.size(); ++i) {
+    endIfInterrupted(i, kLook);
+    const Vec3 &x = state.positions[i], &v = state.velocities[i];
+    const double way =
+        ahead * std::sqrt(std::max((v - now.velocityAt(x)).squaredNorm(), (v - later.velocityAt(x)).squaredNorm()));
+    const double of_cell = between && mayTouchBetween(tool.shape, *between, i) ? kMostStretch * between->radius(i) : 0.0;
+    const double reach = way + (tool::isPushing(tool) ? of_cell : tool.reach);
+    if ((x - pose.position).norm() > radius + reach) continue;
+    // Triangles are not searched: the ball around them is enough for a bound.
+    if (tool.shape.kind != geometry::Solid::Kind::kMesh &&
+        !(tool::findSignedDistance(tool.shape, pose, x, reach).distance <= reach))
+      continue;
+    near.push_back(i);
   }
 }
 
-void ContactLoad::addStiffBounds(const Body& body, double time, const model::State& state, std::vector<double>& stiffness) const {
-  const ToolParams& tool = body.tool;
-  if (!body.acts.value_or(tool::isActive(tool, time))) return;
-  const tool::Pose pose = tool::interpolate(tool.path, time);
-  const tool::Motion motion = tool::findMotion(tool.path, time);
-  const double radius = kBallMargin * findRadius(tool.shape), ahead = kAhead / rate_;
-  for (Index i = 0; i < state.size(); ++i) {
-    endIfInterrupted(i, kLook);
-    const Vec3& x = state.positions[i];
-    const double way = ahead * (state.velocities[i] - motion.velocityAt(x)).norm();
-    if ((x - pose.position).norm() > radius + way) continue;
-    if (!(tool::findSignedDistance(tool.shape, pose, x, way).distance <= way)) continue;
-    const double room = std::max(0.0, padOf(i, false) - rate_ * rate_ * points_.massOf(i));
-    stiffness[i] += std::min((stiffening_ - 1.0) * rate_ * rate_ * points_.massOf(i), room);
+void ContactLoad::addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
+                               std::vector<double>&) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const bool pushes = tool::isPushing(bodies_[b].tool);
+    const double per_mass = pushes ? stiffening_ * rate_ * rate_ : bodies_[b].tool.strength / points_.totalMass();
+    listNear(b, time, state, near_points_);
+    for (const Index i : near_points_) stiffness[i] += std::min(per_mass * points_.massOf(i), pushes ? padOf(i, false) : kNoPad);
+    if (!points_.between()) continue;
+    for (const Touch& touch : findTouches(b, time, state))
+      if (points_.isBetween(touch.point)) points_.addRowBound(touch.point, touch.stiffness, stiffness);
   }
 }
 

@@ -46,7 +46,7 @@ class Dynamics {
   const std::string& growthNotice() const { return growth_notice_; }
   /// Why contact.self: auto is off; empty: it is on, or not auto.
   const std::string& whyNoSelfContact() const { return why_no_self_contact_; }
-  /// Of a surface or body that has none; made when first asked for, unless the choice of `auto` has made it.
+  /// Of a surface or body that has no contact with itself, before any cut.
   std::shared_ptr<const ContactSkin> skinWithoutContact();
   const std::string& growthWarning() const { return growth_warning_; }
 

@@ -24,9 +24,11 @@ bool isOne(const Command& command) {
   return (std::holds_alternative<Kinds>(command) || ...);
 }
 
-constexpr double kHaltedShare = 0.5;         // of the sub-steps of a step: from here on the motion is told to be wrong
-constexpr std::uint64_t kStepsPerLook = 32;  // a look takes less than one of the steps in which it was timed
-constexpr double kThickContact = 1.5;        // spacings: at two a run took four times as long as at a half
+constexpr double kHaltedShare = 0.5;  // of the sub-steps of a step: from here on the motion is told to be wrong
+// Sub-steps between two looks for parts that pass through each other. A look takes about as long as twelve of them, a step
+// besides its sub-steps as long as some, an implicit one as thirty or more.
+constexpr Index kSubstepsPerLook = 400, kOfStep = 4, kOfImplicitStep = 30;
+constexpr double kThickContact = 1.5;  // spacings: at two a run took four times as long as at a half
 
 // Refuses lengths in millimetres for metres, for example. Warns of a thickness that makes steps slow.
 void checkContactThickness(const SceneParams& params, const RestSurface& surface, std::vector<std::string>& warnings) {
@@ -73,6 +75,8 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
     } else {
       notes.push_back("contact.self: auto is off" + why);
     }
+    const RestSurface& rest = dynamics().rest();
+    if (rest.across.isZero(0.0)) passages.emplace(rest.points, dynamics().skinWithoutContact());
   }
   const std::string refused = kind.refuseEstimate(params);
   if (params.accuracy.estimate && !refused.empty())
@@ -144,7 +148,7 @@ void Simulation::Impl::reset() {
   lasting.clear();
   fallbacks.clear();
   is_target_missed = is_target_kept = was_commanded = is_passage_told = false;
-  passages.reset();
+  substeps_since_look = 0;
   largest_error = 0.0;
   tracking = {};
   surface.reset();
@@ -181,7 +185,7 @@ StepOutcome Simulation::Impl::step() {
   if (taken.ok) {
     appendNotice(outcome.notice, tellTargetKept());
     appendNotice(outcome.notice, tellWhatLasts(taken));
-    if (!taken.has_slept) appendNotice(outcome.notice, tellPassage(taken.is_static));
+    if (!taken.has_slept) appendNotice(outcome.notice, tellPassage(taken));
     if (fallbacks.endStep(dynamics().time(), dt, taken.report.fallbacks > 0))
       appendNotice(outcome.notice, describeFallbacks(dynamics().lastIntegrator(), fallbacks.count(), fallbacks.steps()));
     outcome.notice = lasting.endStep(now, dt, taken.is_static, outcome.notice);
@@ -237,15 +241,16 @@ void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
   is_target_missed = true;
 }
 
-// Once, in steps that are far apart, so that looking takes next to no time.
-std::string Simulation::Impl::tellPassage(bool is_static) {
-  if (is_passage_told || !isSelfContactOff() || !(is_static || dynamics().stepCount() % kStepsPerLook == 0)) return {};
-  const RestSurface& rest = dynamics().rest();
-  const ModelKind& kind = dynamics().kind();
-  if (!rest.across.isZero(0.0)) return {};
-  if (!passages) passages.emplace(rest.points, dynamics().skinWithoutContact());
-  const auto found =
-      passages->look(dynamics().state().positions, kind.traits().is_surface ? &trianglesOf(dynamics().model()) : nullptr);
+// Once. Looks are far apart, so that they take next to no time.
+std::string Simulation::Impl::tellPassage(const EstimatedDynamics::Outcome& taken) {
+  if (is_passage_told || !passages) return {};
+  const SceneParams& params = dynamics().params();
+  substeps_since_look += kOfStep + (taken.report.iterations > 0 ? kOfImplicitStep : taken.report.substeps);
+  const bool is_end = std::abs(dynamics().time() - params.duration) < 0.5 * params.integrator.time_step;
+  if (substeps_since_look < kSubstepsPerLook && !taken.is_static && !is_end) return {};
+  substeps_since_look = 0;
+  const bool is_surface = dynamics().kind().traits().is_surface;
+  const auto found = passages->look(dynamics().state().positions, is_surface ? &trianglesOf(dynamics().model()) : nullptr);
   if (!found) return {};
   is_passage_told = true;
   return "parts of the surface have come to pass through each other (" +

@@ -59,8 +59,9 @@ struct Simulation::Impl {
   TrackingWatch tracking;         // since the last reset
   LastingNotices lasting;         // since the last reset, fork or snapshot
   FrequentSteps fallbacks;        // to another integrator; since then
-  std::optional<PassageWatch> passages;  // made when parts are first looked for that pass through each other
-  bool is_passage_told = false;          // since the last reset; a fork leaves it to the first
+  std::optional<PassageWatch> passages;  // where contact.self: auto is off; a fork has none
+  bool is_passage_told = false;          // since the last reset
+  Index substeps_since_look = 0;         // at passages
 
   Statistics statistics;
   std::optional<std::uint64_t> measured_revision;  // of the dynamics, that the statistics are of
@@ -87,7 +88,7 @@ struct Simulation::Impl {
   void finishStep(EstimatedDynamics::Outcome& taken);
   std::string tellWhatLasts(const EstimatedDynamics::Outcome& taken);
   std::string tellTargetKept();
-  std::string tellPassage(bool is_static);
+  std::string tellPassage(const EstimatedDynamics::Outcome& taken);
 
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);
   std::shared_ptr<const Snapshot::Contents> save(bool is_sight) const;

@@ -37,7 +37,6 @@ Simulation::Impl::Impl(const Impl& other, bool to_view)
       is_target_kept(other.is_target_kept),
       was_commanded(other.was_commanded),
       tracking(other.tracking),
-      is_passage_told(true),
       is_viewer(to_view) {
   dynamics().setCutFollower(&surface);
   restoreLooks(other.saveLooks());

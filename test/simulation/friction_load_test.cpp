@@ -318,5 +318,30 @@ TEST(FrictionLoad, ImplicitStepsOnACarriedToolAreThoseOnAToolAtRest) {
   }
 }
 
+// Also tools that only pass by, and one that comes near when the sub-steps have long been chosen.
+TEST(FrictionLoad, OnlyToolsThatMayTouchShortenTheSubsteps) {
+  const auto countSubsteps = [](const std::vector<tool::ToolParams>& tools, int steps) {
+    simulation::SceneParams p = hangingSheet();
+    p.accuracy.estimate = false;
+    p.integrator.type = Type::kVerlet;
+    p.material.damping = 1.0;
+    p.tools = tools;
+    simulation::Simulation s(p, sheetCloud());
+    for (int k = 0; k < steps; ++k) EXPECT_TRUE(s.step().ok);
+    return s.statistics().substeps;
+  };
+  std::vector<tool::ToolParams> far;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 place(0.5 * k, 5.0, 0.0);
+    far.push_back(ball(0.1, place, place + Vec3(0.2, 0.0, 0.0)));
+    far.back().id += std::to_string(k);
+    far.back().friction = 0.5;
+  }
+  const auto free = countSubsteps({}, 4);
+  EXPECT_EQ(countSubsteps(far, 4), free);
+  for (tool::ToolParams& tool : far) tool.path = {{0.0, Vec3(0.5, 0.5, 0.3), Vec4(0.0, 0.0, 0.0, 1.0)}};
+  EXPECT_GT(countSubsteps(far, 20), free);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -196,8 +196,12 @@ class ContactLoad : public solve::ExternalLoad {
   /// Work of moving tools: the gain of the potential at the points before or at those after, whichever is larger.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
+  /// For the simulation points of listNear(); for other points only in contact.
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override;
+  /// The simulation points that a tool may touch, itself or with points of their cells, before bounds are asked for again: not
+  /// all, because damping by tools that are far would shorten the stable step. Ascending; near is overwritten.
+  void listNear(std::size_t body, double time, const model::State& state, std::vector<Index>& near) const;
   /// Passed points that have come out over an edge are no longer pushed back. Otherwise a point that returned there would be as
   /// deep as it has gone outside.
   void remember(double time, double step, model::State& state) const override;
@@ -274,7 +278,6 @@ class ContactLoad : public solve::ExternalLoad {
   }
   /// Whether the pad is softer than contact at a point that shares its cell.
   bool isPadded(Index point) const { return padOf(point, true) < rate_ * rate_ * points_.massOf(point); }
-  void addStiffBounds(const Body& body, double time, const model::State& state, std::vector<double>& stiffness) const;
   double grow(double time, const model::State& state, const std::vector<char>& held, std::size_t b);
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
   double potentialOf(std::size_t body, double time, const model::State& state) const;
@@ -298,6 +301,7 @@ class ContactLoad : public solve::ExternalLoad {
     double distance, reach;  // m, of its simulation point from the tool, and of its points from the simulation point
   };
   mutable std::vector<NearCell> near_;
+  mutable std::vector<Index> near_points_;  // of addRowBounds()
   // Result of findTouches().
   struct Touches {
     bool are_known = false;
