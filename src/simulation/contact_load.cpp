@@ -416,8 +416,15 @@ void ContactLoad::listNear(std::size_t b, double time, const model::State& state
   const tool::Pose pose = tool::interpolate(tool.path, time);
   const tool::Motion now = tool::findMotion(tool.path, time), later = tool::findMotion(tool.path, time + ahead);
   const transfer::SampledPoints* const between = tool::isPushing(tool) ? points_.between() : nullptr;
+  // Points that a tool has passed over are pushed from afar.
+  touched_.assign(state.size(), 0.0);
+  for (const Touch& touch : findTouches(b, time, state)) points_.addRowBound(touch.point, 1.0, touched_);
   for (Index i = 0; i < state.size(); ++i) {
     endIfInterrupted(i, kLook);
+    if (touched_[i] > 0.0) {
+      near.push_back(i);
+      continue;
+    }
     const Vec3 &x = state.positions[i], &v = state.velocities[i];
     const double way =
         ahead * std::sqrt(std::max((v - now.velocityAt(x)).squaredNorm(), (v - later.velocityAt(x)).squaredNorm()));

@@ -199,8 +199,9 @@ class ContactLoad : public solve::ExternalLoad {
   /// For the simulation points of listNear(); for other points only in contact.
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override;
-  /// The simulation points that a tool may touch, itself or with points of their cells, before bounds are asked for again: not
-  /// all, because damping by tools that are far would shorten the stable step. Ascending; near is overwritten.
+  /// The simulation points that carry a touch of a tool, or may do so, themselves or for points of their cells, before bounds are
+  /// asked for again. Not all, because damping by tools that are far would shorten the stable step. Ascending; near is
+  /// overwritten.
   void listNear(std::size_t body, double time, const model::State& state, std::vector<Index>& near) const;
   /// Passed points that have come out over an edge are no longer pushed back. Otherwise a point that returned there would be as
   /// deep as it has gone outside.
@@ -301,6 +302,7 @@ class ContactLoad : public solve::ExternalLoad {
     double distance, reach;  // m, of its simulation point from the tool, and of its points from the simulation point
   };
   mutable std::vector<NearCell> near_;
+  mutable std::vector<double> touched_;     // (m) of listNear(): above zero for points that carry a touch now
   mutable std::vector<Index> near_points_;  // of addRowBounds()
   // Result of findTouches().
   struct Touches {
