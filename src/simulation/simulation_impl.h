@@ -60,7 +60,7 @@ struct Simulation::Impl {
   LastingNotices lasting;         // since the last reset, fork or snapshot
   FrequentSteps fallbacks;        // to another integrator; since then
   std::optional<PassageWatch> passages;  // where contact.self: auto is off; a fork has none
-  bool is_passage_told = false;          // since the last reset
+  bool is_passage_told = false;          // since the last reset or snapshot
   Index substeps_since_look = 0;         // at passages
 
   Statistics statistics;

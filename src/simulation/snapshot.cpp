@@ -87,6 +87,8 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   lasting.clear();
   fallbacks.clear();
   tracking.forgetLast();
+  is_passage_told = false;
+  substeps_since_look = 0;
   largest_error = std::numeric_limits<double>::infinity();  // that of the steps before it is not known
   was_commanded = true;
   restoreLooks(saved.looks);

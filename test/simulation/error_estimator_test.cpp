@@ -98,7 +98,8 @@ TEST(ErrorEstimate, LeavesEveryBitOfTheResultAsItIs) {
 // A sheet for which a search from disturbed positions ends in other folds, where a surface of fewer points has none; and the
 // strip above, which can only sag.
 TEST(ErrorEstimate, IsNoBoundWhereASurfaceHasOtherEquilibria) {
-  const RandomScene folded = makeRandomScene(11242);
+  RandomScene folded = makeRandomScene(11242);
+  folded.params.contact.self = false;  // else the first simulation tells that the folds pass through each other
   Simulation s(folded.params, folded.cloud);
   const simulation::Snapshot flat = s.snapshot();
   const std::string notice = s.step().notice;
