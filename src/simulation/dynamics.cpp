@@ -120,7 +120,7 @@ void Dynamics::reset() {
   grips_.reset();
   placePins();
   placeAnchors();
-  const Population begun = evolution_->begin(now_.pinned, points);
+  const Population begun = evolution_->begin(now_.pinned, now_.pinned_turns, points);
   followPopulation(begun);
   growth_notice_ = begun.notice;
   growth_warning_ = begun.warning;

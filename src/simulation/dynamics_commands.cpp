@@ -239,7 +239,9 @@ Changes Dynamics::perform(const command::EditParticles& c) {
 
 Changes Dynamics::perform(const command::GrowSurface& c) {
   Changes changes;
-  const Population grown = evolution_->growSurface(c.growth, steps_ > 0 ? held_ : now_.pinned, steps_ == 0, now_.points);
+  const bool is_start = steps_ == 0;
+  const Population grown = evolution_->growSurface(c.growth, is_start ? now_.pinned : held_,
+                                                   is_start ? now_.pinned_turns : held_turns_, is_start, now_.points);
   followPopulation(grown);
   changes.notice = grown.notice;
   if (!grown.warning.empty()) changes.notice += "; " + grown.warning;

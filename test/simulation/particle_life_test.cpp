@@ -116,6 +116,20 @@ TEST(ParticleLife, GrownToriRestNearTheirSamples) {
   EXPECT_LT(after_steps, kNear);
 }
 
+// Pins without `orientation` hold positions alone. Normals that are held while particles come to rest turn when they are let go:
+// the fastest particle then has 0.25 m/s after the first step.
+TEST(ParticleLife, GrownSurfacesThatArePinnedBeginAtRest) {
+  simulation::SceneParams p = loadScene("particles_fit");
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-1.0, -1.0, -1.0);
+  pin.region.max = Vec3(1.0, 1.0, -0.4);
+  p.pins = {pin};
+  simulation::Simulation s = makeSimulation(p);
+  ASSERT_GT(std::count(s.pinned().begin(), s.pinned().end(), 1), 3);
+  run(s, 1);
+  EXPECT_LT(simulation::computeQuantity("max_speed", s), 0.01);
+}
+
 // What growth leaves undone is a warning, with the number that ended it, or the place.
 TEST(ParticleLife, GrowthThatIsNotCompleteIsAWarning) {
   const auto warningOf = [](const std::function<void(simulation::SceneParams&, cloud::PointCloud&)>& change) {

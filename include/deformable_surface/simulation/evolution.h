@@ -52,8 +52,11 @@ class Evolution {
 
   /// A reset begins: the model is again as it was made, except for removed and added points.
   virtual void forget() {}
-  /// The state is at rest, as the model began it. pinned (n).
-  virtual Population begin(const std::vector<char>& /*pinned*/, model::State& /*state*/) { return {}; }
+  /// The state is at rest, as the model began it. pinned, pinned_turns: (n), position and orientation held.
+  virtual Population begin(const std::vector<char>& /*pinned*/, const std::vector<char>& /*pinned_turns*/,
+                           model::State& /*state*/) {
+    return {};
+  }
 
   struct Change {
     Population population;
@@ -105,9 +108,9 @@ class Evolution {
                           std::vector<char>& /*pinned_turns*/) {
     return {};
   }
-  /// Grows a surface through the present points; held (n, 1 = fixed in place) stay. is_start: at rest.
-  virtual Population growSurface(const model::GrowthParams& /*growth*/, const std::vector<char>& /*held*/, bool /*is_start*/,
-                                 model::State& /*state*/) {
+  /// Grows a surface through the present points. held, held_turns: (n), 1 = stays, does not turn. is_start: at rest.
+  virtual Population growSurface(const model::GrowthParams& /*growth*/, const std::vector<char>& /*held*/,
+                                 const std::vector<char>& /*held_turns*/, bool /*is_start*/, model::State& /*state*/) {
     return {};
   }
 };

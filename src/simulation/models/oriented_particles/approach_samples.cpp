@@ -22,13 +22,14 @@ constexpr double kMostScattered = 1.0 / 3.0;  // of the particles: 0.31 at most 
 constexpr Index kRounds = 8, kRoundIterations = 4, kLastIterations = 10;  // hundreds of steps
 
 // Where the samples would have the particles. Where these scatter, as at sharp edges, particles stay.
-model::State moveOnto(const std::vector<SampleOffset>& offsets, const std::vector<char>& held, double spacing,
-                      const model::State& state) {
+model::State moveOnto(const std::vector<SampleOffset>& offsets, const std::vector<char>& held,
+                      const std::vector<char>& held_turns, double spacing, const model::State& state) {
   model::State moved = state;
   for (Index i = 0; i < state.size(); ++i) {
-    if (held[i] || !(offsets[i].scatter <= kNoisy * spacing)) continue;
+    if (!(offsets[i].scatter <= kNoisy * spacing)) continue;
     const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
-    moved.positions[i] += offsets[i].height * normal;
+    if (!held[i]) moved.positions[i] += offsets[i].height * normal;
+    if (held_turns[i]) continue;
     moved.orientations[i] = (Quaternion::FromTwoVectors(normal, normal - offsets[i].slope) * state.orientations[i]).normalized();
   }
   return moved;
@@ -91,16 +92,16 @@ bool areNoisy(const std::vector<SampleOffset>& offsets, double spacing) {
   return scattered > kMostScattered * offsets.size();
 }
 
-void settleOnSamples(const Points& samples, const Points& normals, const std::vector<char>& held, model::OrientedParticles& model,
-                     model::State& state) {
-  restoreShape(model, held, held, state);
+void settleOnSamples(const Points& samples, const Points& normals, const std::vector<char>& held,
+                     const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state) {
+  restoreShape(model, held, held_turns, state);
   for (Index round = 1; round <= kRounds; ++round) {
     endIfInterrupted();
     model::State found = state;
     model.adopt(found);
     model.keepShape(found);
     const double spacing = model.lattice().spacing;
-    model::State target = moveOnto(findSampleOffsets(samples, normals, spacing, found), held, spacing, state);
+    model::State target = moveOnto(findSampleOffsets(samples, normals, spacing, found), held, held_turns, spacing, state);
     model::State wanted = target;
     model.adopt(wanted);
     model.keepShape(wanted);
@@ -108,7 +109,7 @@ void settleOnSamples(const Points& samples, const Points& normals, const std::ve
       target.traits[i].rest_curvature += wanted.traits[i].rest_curvature - found.traits[i].rest_curvature;
     model.setSpacing(model.findSpacingWithoutTension(target));
     state = target;
-    relaxFar(model, held, held, round < kRounds ? kRoundIterations : kLastIterations, state);
+    relaxFar(model, held, held_turns, round < kRounds ? kRoundIterations : kLastIterations, state);
   }
 }
 

@@ -25,8 +25,8 @@ bool areNoisy(const std::vector<SampleOffset>& offsets, double spacing);
 /// Particles grown through samples, with the rest curvatures of the grown surface, towards an equilibrium that lies on the
 /// samples. Progressive and iterative: each round moves particles onto the samples, adds the curvature of that move to their rest
 /// curvature, takes the spacing without tension, and lets them go for some hundreds of steps. The spacing of the lattice and
-/// rest curvatures change. held (n): 1 = stays and does not turn.
-void settleOnSamples(const Points& samples, const Points& normals, const std::vector<char>& held, model::OrientedParticles& model,
-                     model::State& state);
+/// rest curvatures change. held, held_turns (n): 1 = stays, does not turn.
+void settleOnSamples(const Points& samples, const Points& normals, const std::vector<char>& held,
+                     const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state);
 
 }  // namespace deformable_surface::simulation

@@ -31,7 +31,8 @@ constexpr double kClosest = 0.3;         // of the spacing: as near as particles
 // Growth leaves varying distances, and not the area of as many particles of a lattice. At the stated spacing the whole surface
 // would pull, and closed surfaces would contract. Particles slide until they are evenly spaced, and the
 // lattice takes the spacing at which they have no tension as a whole.
-void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& particles, State& state) {
+void takeSpacingOf(const std::vector<char>& fixed, const std::vector<char>& fixed_turns, model::OrientedParticles& particles,
+                   State& state) {
   cloud::CleanCloud surface;
   surface.positions = state.positions;
   for (const Quaternion& q : state.orientations) surface.normals.push_back(q * Vec3::UnitZ());
@@ -39,7 +40,7 @@ void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& par
   const double even = attraction.measureSpacing(state);
   if (even > 0.0) attraction.setSpacing(even);
   attraction.leaveOnlyAttraction();
-  slideParticles(surface, attraction, fixed, fixed, state);
+  slideParticles(surface, attraction, fixed, fixed_turns, state);
   particles.setSpacing(particles.findSpacingWithoutTension(state));
 }
 
@@ -95,8 +96,8 @@ Index moveApart(double least, const std::vector<char>& fixed, State& state) {
 
 }  // namespace
 
-Population ParticleLife::growSurface(const model::GrowthParams& given, const std::vector<char>& held, bool is_start,
-                                     State& state) {
+Population ParticleLife::growSurface(const model::GrowthParams& given, const std::vector<char>& held,
+                                     const std::vector<char>& held_turns, bool is_start, State& state) {
   if (model_.hasKeptBonds())
     throw InputError(
         "grow_surface: found oriented_particles.bonds kept, with which new particles have no rest shape; accepted: free");
@@ -137,14 +138,16 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   state.positions = grown.positions;
   state.orientations = grown.orientations;
   // A separate dynamics for the particles alone, without loads.
-  std::vector<char> fixed = held;
-  fixed.resize(state.positions.size(), 0);
-  if (!lets_go) std::fill_n(fixed.begin(), before, char{1});
+  std::vector<char> fixed = held, fixed_turns = held_turns;
+  for (std::vector<char>* which : {&fixed, &fixed_turns}) {
+    which->resize(state.positions.size(), 0);
+    if (!lets_go) std::fill_n(which->begin(), before, char{1});
+  }
   model::OrientedParticles particles = model_;
   particles.adopt(state);
   State trial = state;
   if (keeps_shape && is_start) {
-    takeSpacingOf(fixed, particles, trial);
+    takeSpacingOf(fixed, fixed_turns, particles, trial);
     model_.setSpacing(particles.lattice().spacing);
   }
   if (keeps_shape) particles.keepShape(trial);
@@ -156,12 +159,12 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   const bool remembers = keeps_shape && is_start && !(growth.noise > 0.0);
   if (remembers && lets_go && !growth.chain && before > 0 &&
       !areNoisy(findSampleOffsets(samples, sample_normals, rest_spacing, trial), rest_spacing)) {
-    settleOnSamples(samples, sample_normals, fixed, particles, trial);
+    settleOnSamples(samples, sample_normals, fixed, fixed_turns, particles, trial);
     model_.setSpacing(particles.lattice().spacing);
   } else if (remembers) {
-    relaxInShape(particles, fixed, fixed, trial);
+    relaxInShape(particles, fixed, fixed_turns, trial);
   } else {
-    relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
+    relaxParticles(particles, fixed, fixed_turns, kLastIterations, kLastTolerance, trial);
   }
   const Index near_pairs = moveApart(least, fixed, trial);
   state.positions = trial.positions;

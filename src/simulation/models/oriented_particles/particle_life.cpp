@@ -193,7 +193,7 @@ void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Popul
   keepThose(changes.new_index, state.traits);
 }
 
-Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
+Population ParticleLife::begin(const std::vector<char>& pinned, const std::vector<char>& pinned_turns, State& state) {
   has_reported_debris_ = has_reported_heap_ = has_reported_gap_ = false;
   piercing_.reset();
   model_.setSpacing(model_.statedSpacing());  // undoes the change by growing a surface
@@ -202,7 +202,7 @@ Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
   has_arrived_ = false;
   const bool is_guided = params.guide.grid || !params.guide.volume.empty();
   if (is_guided) requireSeed(params.guide, state);
-  Population begun = params.grow_surface ? growSurface(params.growth, pinned, true, state) : Population();
+  Population begun = params.grow_surface ? growSurface(params.growth, pinned, pinned_turns, true, state) : Population();
   if (is_guided && reachesBorder(params.guide))
     begun.notice += std::string(begun.notice.empty() ? "" : "; ") +
                     "the iso-surface of oriented_particles.guide reaches the border of its volume, which closes it";

@@ -18,7 +18,7 @@ class ParticleLife : public Evolution, public solve::Breaking {
       : model_(model), creased_(creased), scene_(scene) {}
 
   void forget() override { model_.setCuts({}); }
-  Population begin(const std::vector<char>& pinned, model::State& state) override;
+  Population begin(const std::vector<char>& pinned, const std::vector<char>& pinned_turns, model::State& state) override;
   /// Temperatures, then who goes, then who is born. Nobody is born while several pieces of the surface consist of newborns alone:
   /// what is born closes a gap between its parents, so that such pieces have come loose, and growth would only feed them.
   Change beforeStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) override;
@@ -44,8 +44,8 @@ class ParticleLife : public Evolution, public solve::Breaking {
 
   /// Sec. 7 of [Szeliski 1991], with relaxation in between. is_start: all take the shape that is found for their rest shape, and
   /// the model the spacing with which it has no tension; else the new ones alone take theirs.
-  Population growSurface(const model::GrowthParams& growth, const std::vector<char>& held, bool is_start,
-                         model::State& state) override;
+  Population growSurface(const model::GrowthParams& growth, const std::vector<char>& held, const std::vector<char>& held_turns,
+                         bool is_start, model::State& state) override;
   Population edit(const ParticleEdit& edit, model::State& state, std::vector<char>& pinned,
                   std::vector<char>& pinned_turns) override;
 
