@@ -238,5 +238,31 @@ TEST(PiercingWatch, ABallThatAnEdgeSlipsOffIsNotTold) {
   }
 }
 
+// With kept bonds: a ball that is pushed into a held sheet fast breaks some, a slow one none.
+TEST(PiercingWatch, ABallThatBreaksKeptBondsIsToldOnce) {
+  for (const bool is_fast : {true, false}) {
+    SceneParams p = makeSheetScene();
+    p.cloud.points = 500;
+    p.cloud.size = Vec2(1.0, 1.0);
+    p.oriented_particles.bonds = model::ParticleBonds::kKept;
+    p.material.young_modulus = 1e5;
+    p.material.thickness = 1e-3;
+    p.material.density = 1000.0;
+    p.material.damping = 5.0;
+    p.material.bending_rigidity = 1e-3;
+    p.accuracy.estimate = false;
+    p.integrator.time_step = 0.005;
+    p.pins[0].region.min = Vec3(-0.44, -0.44, -1.0);
+    p.pins[0].region.max = Vec3(0.44, 0.44, 1.0);
+    p.pins[0].region.outside = true;
+    const double end = is_fast ? 0.13 : 1.3;
+    p.tools = {ball("ball", 0.072, Vec3(0.01, 0.013, 0.087), Vec3(0.01, 0.013, -0.178), end)};
+    Simulation s(p, io::makeShape(p.cloud));
+    const std::string notices = runAll(s, end + 0.3);
+    EXPECT_EQ(simulation::computeQuantity("boundary_loops", s), is_fast ? 2.0 : 1.0);
+    EXPECT_EQ(countOf(notices, "tool 'ball', 0.144 m wide, has torn the surface open: kept bonds"), is_fast ? 1 : 0) << notices;
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -196,6 +196,7 @@ void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Popul
 Population ParticleLife::begin(const std::vector<char>& pinned, const std::vector<char>& pinned_turns, State& state) {
   has_reported_debris_ = has_reported_heap_ = has_reported_gap_ = false;
   piercing_.reset();
+  torn_.clear();
   model_.setSpacing(model_.statedSpacing());  // undoes the change by growing a surface
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
@@ -225,6 +226,7 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
   if (looks) grow(time, tools, state, change.population);
   if (looks && change.population.born == 0) reportArrival(state, change.population);
   if (looks) reportPiercing(time, tools, state, change.population);
+  if (!torn_.empty()) appendNotice(change.population.notice, std::exchange(torn_, {}));
   if (looks && !has_reported_heap_) {
     const double bonds = model_.meanBonds(state), in_lattice = model_.latticeBonds();
     has_reported_heap_ = bonds > kHeap * in_lattice;
@@ -254,6 +256,25 @@ void ParticleLife::reportPiercing(double time, const std::vector<ToolParams>& to
                                 : "; it was pushed harder than bonds hold (a slower tool, or less material.damping)";
     appendNotice(changes.notice, sentence);
   }
+}
+
+// Kept bonds that the last step has broken beside a solid tool, apart from those that have melted.
+void ParticleLife::noteTorn(double time, const std::vector<ToolParams>& tools, const State& state) {
+  const std::shared_ptr<const model::ParticleCuts::Pairs> before = begun_with_.severed(), after = model_.cuts().severed();
+  std::vector<Index> index_of_id(state.next_id, 0);
+  for (Index i = 0; i < state.size(); ++i) index_of_id[state.traits[i].id] = i;
+  Points broken;
+  for (const model::ParticleCuts::Pair& pair : *after) {
+    if (before && std::binary_search(before->begin(), before->end(), pair)) continue;
+    const Index i = index_of_id[pair.first], j = index_of_id[pair.second];
+    if (std::max(state.traits[i].temperature, state.traits[j].temperature) >= model_.params().melting) continue;
+    broken.push_back(state.positions[i]);
+    broken.push_back(state.positions[j]);
+  }
+  for (const ToolParams* tool : piercing_.lookAtBroken(time, tools, broken, model_.lattice().spacing))
+    appendNotice(torn_, "tool " + quote(tool->id) + ", " + formatShort(findWidth(tool->shape)) +
+                            " m wide, has torn the surface open: kept bonds beside it have broken (a wider tool, or a slower or "
+                            "shallower push)");
 }
 
 void ParticleLife::hold(State& state, std::vector<char>& held, std::vector<char>& held_turns) const {
@@ -322,6 +343,7 @@ Evolution::AfterStep ParticleLife::endStep(double time, double step, const std::
   else
     model_.setCuts(model_.followCuts(state));
   after.has_flowed = !model_.cuts().isSameAs(begun_with_);
+  if (after.has_flowed && model_.hasKeptBonds()) noteTorn(time + step, tools, state);
   after.leaves_copies = after.has_flowed || is_hot_;
   after.has_cut = !before_.empty() && cut(time, step, tools, state);
   return after;

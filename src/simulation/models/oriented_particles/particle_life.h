@@ -68,6 +68,7 @@ class ParticleLife : public Evolution, public solve::Breaking {
   void markMeeting(const model::State& state) const;
   void markLoose(const model::State& state) const;
   void reportPiercing(double time, const std::vector<tool::ToolParams>& tools, const model::State& state, Population& changes);
+  void noteTorn(double time, const std::vector<tool::ToolParams>& tools, const model::State& state);
   void append(const model::NewParticle& particle, model::State& state) const;
   void followBirths(const model::State& state, Index first, const std::vector<model::NewParticle>& born);
   bool cut(double time, double step, const std::vector<tool::ToolParams>& tools, const model::State& state);
@@ -86,6 +87,7 @@ class ParticleLife : public Evolution, public solve::Breaking {
   mutable bool has_reported_debris_ = false, has_reported_heap_ = false, has_reported_gap_ = false;
   bool has_arrived_ = false;  // at the iso-surface, or where it hardly moves
   PiercingWatch piercing_;
+  std::string torn_;                            // what the last step has torn, for the notice of the next one
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };
 

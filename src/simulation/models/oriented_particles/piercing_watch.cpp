@@ -26,13 +26,17 @@ constexpr Index kLook = 1024;  // particles between two looks at an interrupt
 constexpr double kSpacings = 4.0;  // below it neither the ball nor the tube behind it stays wider than bonds reach
 constexpr double kStiffLengths = 16.0;
 
+bool isWatched(const tool::ToolParams& tool) {
+  return tool.mode == tool::Mode::kSolid && tool.shape.kind != geometry::Solid::Kind::kPlane;
+}
+
 }  // namespace
 
 std::vector<PiercingWatch::Found> PiercingWatch::look(double time, const std::vector<tool::ToolParams>& tools,
                                                       const model::State& state, double spacing, const KeepOpen& keepOpen) {
   std::vector<Found> found;
   for (const tool::ToolParams& tool : tools) {
-    if (tool.mode != tool::Mode::kSolid || tool.shape.kind == geometry::Solid::Kind::kPlane) continue;
+    if (!isWatched(tool)) continue;
     Watched& watched = tools_[tool.id];
     const tool::Pose pose = tool::interpolate(tool.path, time);
     distances_.assign(state.positions.size(), std::numeric_limits<double>::infinity());
@@ -49,6 +53,20 @@ std::vector<PiercingWatch::Found> PiercingWatch::look(double time, const std::ve
       watched.has_torn = true;
       found.push_back({&tool, false, true});
     }
+  }
+  return found;
+}
+
+std::vector<const tool::ToolParams*> PiercingWatch::lookAtBroken(double time, const std::vector<tool::ToolParams>& tools,
+                                                                 const Points& broken, double spacing) {
+  std::vector<const tool::ToolParams*> found;
+  for (const tool::ToolParams& tool : tools) {
+    if (!isWatched(tool) || !tool::isActive(tool, time)) continue;
+    const tool::Pose pose = tool::interpolate(tool.path, time);
+    const bool is_beside = std::any_of(broken.begin(), broken.end(), [&](const Vec3& p) {
+      return tool::findSignedDistance(tool.shape, pose, p).distance <= kBeside * spacing;
+    });
+    if (is_beside && !std::exchange(tools_[tool.id].has_torn, true)) found.push_back(&tool);
   }
   return found;
 }

@@ -1,5 +1,6 @@
 // Whether a solid tool has gone through a surface of particles or has torn it open, and how wide one must be that a deep dent
-// holds. There is no mesh that would tell: particles part before the tool, and bind again behind it or do not.
+// holds. With free bonds there is no mesh that would tell: particles part before the tool, and bind again behind it or do not.
+// Kept bonds break once and for all.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -32,6 +33,10 @@ class PiercingWatch {
   /// found to tear the surface open. O(n) for each solid tool.
   std::vector<Found> look(double time, const std::vector<tool::ToolParams>& tools, const model::State& state, double spacing,
                           const KeepOpen& keepOpen);
+  /// At a time, s. The solid tools that are within a spacing, m, of places where kept bonds have just broken. Each until the next
+  /// reset once, with what look() finds.
+  std::vector<const tool::ToolParams*> lookAtBroken(double time, const std::vector<tool::ToolParams>& tools, const Points& broken,
+                                                    double spacing);
 
  private:
   struct Watched {
