@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tool_reach.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -22,6 +24,7 @@ constexpr double kBack = 0.01;      // of the depth of a passed point: a withdra
 constexpr int kMaxMoments = 64;
 constexpr double kTurn = 0.2;  // rad between two samples of a turning tool: paths in its frame are then nearly straight
 
+Vec3 toWorld(const Pose& pose, const Vec3& place) { return pose.position + pose.orientation * place; }
 Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
 
 struct Moment {
@@ -200,7 +203,8 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     }
     body.passed.swap(scratch_);
 
-    // A tool that passes between the points: its origin goes through a triangle, or comes into a body.
+    // A tool that passes between the points: a point of its axis goes through a triangle, or comes into a body.
+    const Points axis = listAxisPoints(body.tool.shape);
     const auto isPassed = [&](Index i) {
       return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},
                                 [](const Passed& a, const Passed& b) { return a.point < b.point; });
@@ -208,13 +212,16 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     const auto isPierced = [&](const model::WeightedTriangle& t) {
       const Vec3 before[3] = {before_[t.corner[0]], before_[t.corner[1]], before_[t.corner[2]]};
       const Vec3 after[3] = {state.positions[t.corner[0]], state.positions[t.corner[1]], state.positions[t.corner[2]]};
-      return wentThrough(from.position, to.position, before, after) && !isPassed(t.corner[0]) && !isPassed(t.corner[1]) &&
-             !isPassed(t.corner[2]);
+      return std::any_of(axis.begin(), axis.end(),
+                         [&](const Vec3& p) { return wentThrough(toWorld(from, p), toWorld(to, p), before, after); }) &&
+             !isPassed(t.corner[0]) && !isPassed(t.corner[1]) && !isPassed(t.corner[2]);
     };
     // Triangles of a skin that is pierced may turn over within a step, so that they cannot be followed one by one.
     const auto hasComeIn = [&] {
-      return body.passed.empty() && isWithin(to.position, triangles, state.positions) &&
-             (had_passed || !isWithin(from.position, triangles, before_));
+      return body.passed.empty() && std::any_of(axis.begin(), axis.end(), [&](const Vec3& p) {
+               return isWithin(toWorld(to, p), triangles, state.positions) &&
+                      (had_passed || !isWithin(toWorld(from, p), triangles, before_));
+             });
     };
     if (!(is_body ? hasComeIn() : std::any_of(triangles.begin(), triangles.end(), isPierced))) continue;
     gone_through_ = body.tool.id;

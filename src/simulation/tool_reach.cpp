@@ -29,6 +29,20 @@ double findWidth(const geometry::Solid& shape) {
   return extents[1];
 }
 
+Points listAxisPoints(const geometry::Solid& shape) {
+  using Kind = geometry::Solid::Kind;
+  Vec3 end = Vec3::Zero();
+  if (shape.kind == Kind::kCylinder) end.z() = 0.5 * shape.height - shape.radius;
+  if (shape.kind == Kind::kCone) end.z() = 0.25 * shape.height;
+  if (shape.kind == Kind::kBox) {
+    Eigen::Index longest;
+    const double length = shape.size.maxCoeff(&longest);
+    end[longest] = 0.5 * (length - findWidth(shape));
+  }
+  if (!(end.maxCoeff() > 0.0)) return {Vec3::Zero()};
+  return {Vec3::Zero(), end, -end};
+}
+
 bool isInReach(const tool::ToolParams& tool, double time, const Points& points) {
   if (!tool::isActive(tool, time)) return false;
   const double reach = findRadius(tool.shape) + (tool.mode == tool::Mode::kAttract ? tool.reach : 0.0);

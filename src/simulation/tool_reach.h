@@ -1,5 +1,5 @@
-// Largest distance of a tool's surface from its origin, and its width. Contact skips points beyond the distance, and sleeping
-// points within it wake. Narrow tools pass between points.
+// Largest distance of a tool's surface from its origin, its width, and points of its axis. Contact skips points beyond the
+// distance, and sleeping points within it wake. Narrow tools pass between points.
 #pragma once
 
 #include "deformable_surface/tool/tool.h"
@@ -11,6 +11,11 @@ double findRadius(const geometry::Solid& shape);
 
 /// The width (m) of what passes through a surface with the longest extent ahead: the second of the three extents.
 double findWidth(const geometry::Solid& shape);
+
+/// Points of the tool's axis, m, in its frame, that tell whether it has gone through a surface: the origin and, where the shape
+/// is longer than wide, one towards either end, as deep as half its width (of a cone: at a quarter of its height from either
+/// end).
+Points listAxisPoints(const geometry::Solid& shape);
 
 /// Whether any of the points (n x 3) is within that ball at a time (s) at which the tool acts; for tools that attract, within
 /// tool.reach of the ball.

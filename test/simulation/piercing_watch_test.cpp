@@ -206,6 +206,17 @@ TEST(PiercingWatch, ANeedleThatGoesThroughIsTold) {
   EXPECT_EQ(countOf(notices, "tool 'needle', 0.01 m wide, has gone through"), 1) << notices;
 }
 
+// Its middle stays above the sheet.
+TEST(PiercingWatch, ANeedleWhoseTipGoesThroughIsTold) {
+  SceneParams p = makeSheetScene();
+  p.tools = {ball("needle", 0.005, Vec3(0.03, 0.02, 0.3), Vec3(0.03, 0.02, 0.1), 0.5)};
+  p.tools[0].shape.kind = geometry::Solid::Kind::kCylinder;
+  p.tools[0].shape.height = 0.4;
+  Simulation s(p, io::makeShape(p.cloud));
+  const std::string notices = runAll(s, 0.6);
+  EXPECT_EQ(countOf(notices, "tool 'needle', 0.01 m wide, has gone through"), 1) << notices;
+}
+
 // A sheet that is held at two edges. A ball presses on it slowly, as wide as a deep dent holds: at a free edge, which slips off
 // it in the end, and in the middle.
 TEST(PiercingWatch, ABallThatAnEdgeSlipsOffIsNotTold) {

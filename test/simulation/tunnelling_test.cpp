@@ -154,8 +154,9 @@ TEST(Tunnelling, ANeedleThatFindsItsWayBetweenThePointsIsReportedOnce) {
   EXPECT_EQ(told, 1);
 }
 
-// Pressed less deep, it dents the body.
-TEST(Tunnelling, ABallThatComesIntoABodyIsReportedOnce) {
+// How many notices tell that this tool has passed through a block of elastic solid, 0.2 m x 0.2 m x 0.1 m, held at its lower
+// side.
+int countPassages(const tool::ToolParams& tool) {
   simulation::SceneParams p;
   p.model = "elastic_solid";
   p.material.young_modulus = 2e4;
@@ -166,23 +167,49 @@ TEST(Tunnelling, ABallThatComesIntoABodyIsReportedOnce) {
   p.pins.resize(1);
   p.pins[0].region.max = Vec3(1.0, 1.0, 0.001);
   p.pins[0].region.min = Vec3(-1.0, -1.0, -1.0);
+  p.tools = {tool};
   cloud::PointCloud block;
   block.positions = makeBox(11, 11, 6, 0.02, 0.1);
+  simulation::Simulation s(p, block);
+  int told = 0;
+  for (int k = 0; k < 120; ++k) {
+    const simulation::StepOutcome outcome = s.step();
+    EXPECT_TRUE(outcome.ok) << outcome.problem;
+    if (!outcome.ok) break;
+    told += outcome.notice.find("tool 'tip' has passed through the surface, between the points of the body") != std::string::npos;
+  }
+  return told;
+}
+
+// Pressed less deep, it dents the body.
+TEST(Tunnelling, ABallThatComesIntoABodyIsReportedOnce) {
   tool::ToolParams ball;
-  ball.id = "ball";
+  ball.id = "tip";
   ball.shape.radius = 0.03;
   for (const double end : {0.05, 0.1}) {
     ball.path = {{0.0, Vec3(0.1, 0.1, 0.13), Vec4(0.0, 0.0, 0.0, 1.0)}, {0.5, Vec3(0.1, 0.1, end), Vec4(0.0, 0.0, 0.0, 1.0)}};
-    p.tools = {ball};
-    simulation::Simulation s(p, block);
-    int told = 0;
-    for (int k = 0; k < 120; ++k) {
-      const simulation::StepOutcome outcome = s.step();
-      ASSERT_TRUE(outcome.ok) << outcome.problem;
-      told +=
-          outcome.notice.find("tool 'ball' has passed through the surface, between the points of the body") != std::string::npos;
-    }
-    EXPECT_EQ(told, end < 0.1 ? 1 : 0);
+    EXPECT_EQ(countPassages(ball), end < 0.1 ? 1 : 0) << end;
+  }
+}
+
+// Their middles stay outside. A stump, and a cone that does not go deep, dent the body.
+TEST(Tunnelling, TipsOfNeedlesAndConesThatComeIntoABodyAreReportedOnce) {
+  struct Case {
+    Solid::Kind kind;
+    double radius, height, end;  // m, of the tip
+    int told;
+  };
+  for (const Case& c : {Case{Solid::Kind::kCylinder, 0.006, 0.3, 0.05, 1}, Case{Solid::Kind::kCone, 0.04, 0.16, 0.04, 1},
+                        Case{Solid::Kind::kCylinder, 0.04, 0.1, 0.09, 0}, Case{Solid::Kind::kCone, 0.04, 0.16, 0.095, 0}}) {
+    tool::ToolParams tool;
+    tool.id = "tip";
+    tool.shape.kind = c.kind;
+    tool.shape.radius = c.radius;
+    tool.shape.height = c.height;
+    const Vec4 over(1.0, 0.0, 0.0, 0.0);
+    const auto atHeight = [&](double tip) { return Vec3(0.103, 0.104, tip + 0.5 * c.height); };
+    tool.path = {{0.0, atHeight(0.105), over}, {0.5, atHeight(c.end), over}};
+    EXPECT_EQ(countPassages(tool), c.told) << c.radius << " m, tip at " << c.end;
   }
 }
 

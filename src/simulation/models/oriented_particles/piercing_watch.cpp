@@ -73,32 +73,42 @@ std::vector<const tool::ToolParams*> PiercingWatch::lookAtBroken(double time, co
 
 bool PiercingWatch::hasGoneThrough(const tool::ToolParams& tool, double time, const model::State& state, double spacing,
                                    bool is_edge, Watched& watched) {
-  const Vec3 origin = tool::interpolate(tool.path, time).position;
-  // Another one of this name, or one that was put elsewhere.
-  if (!((origin - std::exchange(watched.place, origin)).norm() <= std::max(0.5 * findWidth(tool.shape), spacing)))
-    watched.sign = 0.0;
+  const Points axis = listAxisPoints(tool.shape);
+  if (watched.signs.size() != axis.size()) {
+    watched.signs.assign(axis.size(), 0.0);
+    watched.places.assign(axis.size(), Vec3::Constant(std::numeric_limits<double>::infinity()));
+  }
   double nearest = std::numeric_limits<double>::infinity();
   for (const double distance : distances_) nearest = std::min(nearest, distance);
   const double disc = kTouching * spacing;
   const bool touches = nearest <= disc;
-  // One that has just left the surface: on the side on which it came?
-  if (!touches && watched.sign == 0.0) return false;
-  double sum = 0.0, count = 0.0;
-  if (std::isfinite(nearest)) {
-    const double reach = std::max(disc, nearest + disc);
-    for (Index i = 0; i < state.size(); ++i) {
-      if (!(distances_[i] <= reach)) continue;
-      sum += (state.orientations[i] * Vec3::UnitZ()).dot((origin - state.positions[i]).normalized());
-      count += 1.0;
-    }
-  }
-  const double before = std::exchange(watched.sign, touches ? watched.sign : 0.0);
   // The edge of a sheet that slides around the tool comes to the other side, too.
   const bool is_at_edge = std::exchange(watched.is_at_edge, is_edge) || is_edge;
-  if (!(std::abs(sum) > kClear * count)) return false;
-  const double sign = sum > 0.0 ? 1.0 : -1.0;
-  if (touches) watched.sign = sign;
-  return before * sign < 0.0 && !is_at_edge;
+  const tool::Pose pose = tool::interpolate(tool.path, time);
+  bool is_through = false;
+  for (std::size_t k = 0; k < axis.size(); ++k) {
+    const Vec3 at = pose.position + pose.orientation * axis[k];
+    double& sign = watched.signs[k];
+    // Another one of this name, or one that was put elsewhere.
+    if (!((at - std::exchange(watched.places[k], at)).norm() <= std::max(0.5 * findWidth(tool.shape), spacing))) sign = 0.0;
+    // One that has just left the surface: on the side on which it came?
+    if (!touches && sign == 0.0) continue;
+    double sum = 0.0, count = 0.0;
+    if (std::isfinite(nearest)) {
+      const double reach = std::max(disc, nearest + disc);
+      for (Index i = 0; i < state.size(); ++i) {
+        if (!(distances_[i] <= reach)) continue;
+        sum += (state.orientations[i] * Vec3::UnitZ()).dot((at - state.positions[i]).normalized());
+        count += 1.0;
+      }
+    }
+    const double before = std::exchange(sign, touches ? sign : 0.0);
+    if (!(std::abs(sum) > kClear * count)) continue;
+    const double now = sum > 0.0 ? 1.0 : -1.0;
+    if (touches) sign = now;
+    is_through = is_through || (before * now < 0.0 && !is_at_edge);
+  }
+  return is_through;
 }
 
 PiercingWatch::Open PiercingWatch::findOpen(const model::State& state, double spacing, const KeepOpen& keepOpen,

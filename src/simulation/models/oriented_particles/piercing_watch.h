@@ -40,8 +40,9 @@ class PiercingWatch {
 
  private:
   struct Watched {
-    double sign = 0.0;  // of the side of the surface that the tool's origin is on; 0: the tool touches nothing, or is between
-    Vec3 place = Vec3::Zero();                  // m, of the tool's origin at the last look
+    // Of each point of the tool's axis: of the side of the surface that it is on; 0: the tool touches nothing, or it is between.
+    std::vector<double> signs;
+    Points places;                              // m, of these points at the last look
     bool is_at_edge = false;                    // at the last look at which the tool touched the surface: of the cloud
     bool is_through = false, has_torn = false;  // and this was told
     // By the id of a particle: 0, it has not had others all around at the tool; else 1 and the looks for which it has been open.
