@@ -90,9 +90,12 @@ void requireHeld(const SceneParams& params, const std::vector<char>& held, const
                    " at the beginning; accepted: keep, or something that holds one of them");
 }
 
-}  // namespace
+struct HeldParts {
+  std::vector<char> marked;    // points (n, 1) in parts that are held
+  std::vector<Index> by_tool;  // parts that each tool of the scene holds without gripping them, where no pin, anchor or hand does
+};
 
-std::vector<char> markHeldParts(const SceneParams& params, const Parts& parts, const Points& points) {
+HeldParts findHeldParts(const SceneParams& params, const Parts& parts, const Points& points) {
   const Index n = static_cast<Index>(points.size());
   std::vector<char> is_held(parts.count(), 0);
   for (const PinParams& pin : params.pins)
@@ -110,31 +113,55 @@ std::vector<char> markHeldParts(const SceneParams& params, const Parts& parts, c
     for (Index i = 0; i < n; ++i)
       if (tool::findSignedDistance(tool.shape, pose, points[i], 0.0).distance <= 0.0) is_held[parts.label[i]] = 1;
   }
-  std::vector<tool::ToolParams> tools;  // a knife holds nothing
-  std::copy_if(params.tools.begin(), params.tools.end(), std::back_inserter(tools),
-               [](const tool::ToolParams& tool) { return tool.mode != tool::Mode::kCut; });
+  HeldParts held;
+  held.by_tool.assign(params.tools.size(), 0);
   const std::vector<double> masses;  // which are not asked for
-  ContactLoad contact(masses);
-  contact.setTools(tools);
   const Vec3 down = params.gravity.isZero(0.0) ? Vec3::Zero() : params.gravity.normalized();
-  for (Index i = 0; i < n && !contact.isEmpty(); ++i)
-    if (!is_held[parts.label[i]]) is_held[parts.label[i]] = contact.mayHold(points[i], down, 0.0);
-  std::vector<char> marked;
-  for (const Index label : parts.label) marked.push_back(is_held[label]);
-  return marked;
+  for (std::size_t t = 0; t < params.tools.size(); ++t) {
+    if (params.tools[t].mode == tool::Mode::kCut) continue;  // a knife holds nothing
+    ContactLoad contact(masses);
+    contact.setTools({params.tools[t]});
+    for (Index i = 0; i < n && !contact.isEmpty(); ++i) {
+      if (is_held[parts.label[i]] || !contact.mayHold(points[i], down, 0.0)) continue;
+      is_held[parts.label[i]] = 1;
+      ++held.by_tool[t];
+    }
+  }
+  for (const Index label : parts.label) held.marked.push_back(is_held[label]);
+  return held;
+}
+
+// A floor holds what lies above it: such parts are not among those that are dropped or frozen.
+void noteHeldByTools(const SceneParams& params, const Parts& parts, const HeldParts& held, RestSurface& s) {
+  if (parts.count() < 2) return;
+  for (std::size_t t = 0; t < params.tools.size(); ++t)
+    if (held.by_tool[t] > 0)
+      s.notes.push_back(std::string("input.unconstrained_parts ") +
+                        (params.input.unconstrained_parts == UnconstrainedParts::kDrop ? "drop" : "freeze") + ": " +
+                        count(held.by_tool[t], "of ") + count(parts.count(), "parts count as held by tool ") +
+                        quote(params.tools[t].id) + ", which they touch, fall onto or are in reach of");
+}
+
+}  // namespace
+
+std::vector<char> markHeldParts(const SceneParams& params, const Parts& parts, const Points& points) {
+  return findHeldParts(params, parts, points).marked;
 }
 
 void dropUnconstrained(const SceneParams& params, const Parts& parts, RestSurface& s) {
-  const std::vector<char> held = markHeldParts(params, parts, s.dense.positions);
-  requireHeld(params, held, "points of the cloud");
-  leaveOut("input.unconstrained_parts drop", parts, held, s);
+  const HeldParts held = findHeldParts(params, parts, s.dense.positions);
+  requireHeld(params, held.marked, "points of the cloud");
+  noteHeldByTools(params, parts, held, s);
+  leaveOut("input.unconstrained_parts drop", parts, held.marked, s);
 }
 
 void freezeUnconstrained(const SceneParams& params, RestSurface& s) {
-  const std::vector<char> held = markHeldParts(params, findSimulatedParts(s), s.points);
-  requireHeld(params, held, "simulation points");
-  for (std::size_t i = 0; i < held.size(); ++i)
-    if (!held[i]) s.pinned[i] = s.pinned_turns[i] = kInPin;
+  const Parts parts = findSimulatedParts(s);
+  const HeldParts held = findHeldParts(params, parts, s.points);
+  requireHeld(params, held.marked, "simulation points");
+  noteHeldByTools(params, parts, held, s);
+  for (std::size_t i = 0; i < held.marked.size(); ++i)
+    if (!held.marked[i]) s.pinned[i] = s.pinned_turns[i] = kInPin;
 }
 
 void noteUnconstrained(const SceneParams& params, RestSurface& s) {

@@ -88,6 +88,24 @@ TEST(Parts, AToolHoldsWhatItGripsOrHoldsUpFromTheBeginning) {
   EXPECT_TRUE(isHeld(magnet, down));
 }
 
+TEST(Parts, ThatLieOnAToolAreToldWhereOthersAreFrozenOrLeftOut) {
+  for (const auto& [treatment, name] : {std::pair(simulation::UnconstrainedParts::kFreeze, "freeze: 2 of 3 parts"),
+                                        std::pair(simulation::UnconstrainedParts::kDrop, "drop: 3 of 4 parts")}) {
+    SceneParams p = hangingDebris();
+    p.accuracy.estimate = false;
+    p.input.unconstrained_parts = treatment;
+    tool::ToolParams floor = toolAt(Vec3(0.0, 0.0, -1.0), tool::Mode::kSolid);
+    floor.id = "floor";
+    floor.shape.kind = geometry::Solid::Kind::kPlane;
+    p.tools = {floor};
+    const Simulation s(p, debris());
+    const std::string said = std::string("input.unconstrained_parts ") + name + " count as held by tool 'floor'";
+    EXPECT_TRUE(contains(s.buildNotes(), said)) << said;
+    p.tools.clear();
+    EXPECT_FALSE(contains(Simulation(p, debris()).buildNotes(), "count as held by tool"));
+  }
+}
+
 TEST(Parts, ThatNothingHoldsStayWhereTheyAreWhereThatIsAsked) {
   for (const Index simulated : {200, 900})
     for (const bool has_estimate : {false, true}) {
