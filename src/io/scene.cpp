@@ -47,7 +47,7 @@ class ValueBuilder : public YAML::EventHandler {
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { add(mark, {}, nullptr); }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-    throw Problem{mark, "found an alias (*name); accepted: the value written out"};
+    throw Problem{mark, "found an alias (*name); accepted: the value written out (PyYAML: Dumper.ignore_aliases)"};
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t, const std::string& text) override {
     // yaml-cpp marks plain scalars by "?" and quoted ones by "!".

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -26,21 +27,26 @@ std::string formatLength(double length) {
   return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
 }
 
-// No depth camera sees so far, and few surfaces are as large. In millimetres, a metre is a thousand.
+// No depth camera sees so far, and few surfaces are as large. In millimetres, a metre is a thousand. Points that are farther away
+// than any lens shows them apart have the coordinates of a map.
 void warnOfUnits(const cloud::SensorNoise& noise, RestSurface& s) {
   constexpr double kFarthest = 50.0, kLargest = 100.0;  // m
+  constexpr double kMap = 1000.0;                       // times the length of the cloud
   const char* const kAdvice = ": lengths are in metres, and these look like millimetres (of a file: cloud.scale 0.001)";
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : s.dense.positions) box.extend(p);
+  const double length = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
   if (noise.is_image) {
     std::vector<double> distances;
     for (const Vec3& p : s.dense.positions) distances.push_back((p - noise.eye).norm());
     const double middle = findMedian(std::move(distances));
-    if (middle > kFarthest)
-      s.warnings.push_back("half of the image's points are more than " + formatLength(middle) + " from the eye" + kAdvice);
-  } else {
-    Eigen::AlignedBox3d box;
-    for (const Vec3& p : s.dense.positions) box.extend(p);
-    if (!box.isEmpty() && box.sizes().maxCoeff() > kLargest)
-      s.warnings.push_back("the cloud is " + formatLength(box.sizes().maxCoeff()) + " long" + kAdvice);
+    if (middle > std::max(kFarthest, kMap * length))
+      s.warnings.push_back("the cloud is " + formatLength(length) + " long, and " + formatLength(middle) +
+                           " from where it was seen: coordinates of a map lose digits; subtract an offset from them");
+    else if (middle > kFarthest)
+      s.warnings.push_back("half of the cloud's points are more than " + formatLength(middle) + " from the eye" + kAdvice);
+  } else if (length > kLargest) {
+    s.warnings.push_back("the cloud is " + formatLength(length) + " long" + kAdvice);
   }
 }
 

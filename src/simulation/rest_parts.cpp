@@ -7,10 +7,12 @@
 #include "deformable_surface/cloud/space_order.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "unconstrained_parts.h"
 
@@ -35,6 +37,24 @@ std::string adviseOffset(const cloud::PointCloud& input) {
   if (num_far == 0) return "";
   return ", within 1e6 m along each axis; " + std::to_string(num_far) +
          " points are beyond: subtract an offset from their coordinates";
+}
+
+// The step, m, of single precision at the largest coordinate, if it is why points coincide: all coordinates are of single
+// precision, and the step is above half the spacing that these and the lost points have in the box around them; else 0.
+double findLostStep(const Points& positions, Index num_lost) {
+  constexpr double kCoarse = 0.5;
+  double largest = 0.0;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : positions) {
+    const Eigen::Vector3f stored = p.cast<float>();
+    if (p != stored.cast<double>()) return 0.0;
+    largest = std::max(largest, p.cwiseAbs().maxCoeff());
+    box.extend(p);
+  }
+  const float at = static_cast<float>(largest);
+  const double step = std::nextafter(at, std::numeric_limits<float>::infinity()) - at;
+  const double all = static_cast<double>(positions.size()) + static_cast<double>(num_lost);
+  return step > kCoarse * box.sizes().maxCoeff() / std::sqrt(all) ? step : 0.0;
 }
 
 }  // namespace
@@ -74,8 +94,15 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
   if (s.dense.num_not_finite > 0)
     s.notes.push_back(
         count(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));
-  if (s.dense.num_coincident > 0)
-    s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
+  if (s.dense.num_coincident > 0) {
+    const std::string coincide = count(s.dense.num_coincident, "input points coincide with others and move with them");
+    const double step = findLostStep(s.dense.positions, s.dense.num_coincident);
+    if (step > 0.0)
+      s.warnings.push_back(coincide + ": in single precision, coordinates as large as these are only told apart in steps of " +
+                           formatShort(step) + " m; subtract an offset from them before they are stored");
+    else
+      s.notes.push_back(coincide);
+  }
   if (near.num_merged > 0)
     s.notes.push_back(count(near.num_merged, "points are at most ") + formatShort(near.distance) +
                       " m from others, where the spacing is " + formatShort(near.spacing) +

@@ -151,9 +151,9 @@ void tellLayersApart(const SceneParams& scene, Sought& sought, RestSurface& s) {
   }
   if (left < joined)
     s.notes.push_back(
-        count(joined, "points had neighbours above or below them, ") +
-        count(left, "have by normals on which the points around each agree: fewer layers are joined (a filled body ") +
-        "falls into layers by this; elastic_solid is the model for it)");
+        "layers are told apart: " + count(joined, "points had neighbours above or below them, only ") +
+        count(left, "have with normals on which the points around each agree, which are used (a filled body falls into ") +
+        "layers by this; elastic_solid is the model for it)");
 }
 
 }  // namespace

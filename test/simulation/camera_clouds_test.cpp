@@ -216,6 +216,14 @@ TEST(CameraClouds, InMillimetresAreWarnedOf) {
   EXPECT_TRUE(isSaid(simulation::buildRestSurface(makeScene(300), frame.cloud).warnings, "millimetres"));
 }
 
+TEST(CameraClouds, WithCoordinatesOfAMapAreWarnedOf) {
+  CameraFrame frame = take(makeTowel(1.0, 0.0), 0.1);
+  for (Vec3& p : frame.cloud.positions) p += Vec3(4.5e5, 2e5, 0.0);
+  const std::vector<std::string> warnings = simulation::buildRestSurface(makeScene(300), frame.cloud).warnings;
+  EXPECT_TRUE(isSaid(warnings, "coordinates of a map"));
+  EXPECT_FALSE(isSaid(warnings, "millimetres"));
+}
+
 TEST(CameraClouds, ThatAreLargeKeepTheirPartsApart) {
   const CameraFrame frame = takeLarge(makeTwoSheets(1.0, 0.01));
   const simulation::RestSurface s = simulation::buildRestSurface(makeScene(500), frame.cloud);

@@ -24,6 +24,26 @@ TEST(RestParts, CleanInputNeedsThreePointsAndCountsWhatItLeavesOut) {
   EXPECT_EQ(s.notes[1], "1 input points coincide with others and move with them");
 }
 
+// Millimetres apart, at a place of a map: points that single precision makes the same are warned of.
+TEST(RestParts, PointsThatSinglePrecisionMakesTheSameAreWarnedOf) {
+  for (const bool is_single : {true, false}) {
+    Points points;
+    for (int i = 0; i < 40; ++i)
+      for (int j = 0; j < 40; ++j) {
+        const Vec3 p(4.5e5 + 0.0075 * i, 2e5 + 0.0075 * j, 100.0);
+        const Eigen::Vector3f stored = p.cast<float>();
+        if (is_single)
+          points.emplace_back(stored.cast<double>());
+        else
+          points.push_back(p);
+      }
+    points.push_back(points.front());
+    const RestSurface s = simulation::cleanInput(asCloud(points));
+    EXPECT_EQ(s.warnings.size(), is_single ? 1u : 0u);
+    if (is_single) EXPECT_NE(s.warnings[0].find("in steps of 0.0312 m; subtract an offset"), std::string::npos) << s.warnings[0];
+  }
+}
+
 TEST(RestParts, CoordinatesOfMapsAreRefusedWithAdvice) {
   Points points;
   for (int i = 0; i < 5; ++i) points.emplace_back(5e5, 4.6e6 + i, 0.1 * i * i);

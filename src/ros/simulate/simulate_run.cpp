@@ -114,7 +114,7 @@ int Run::run() {
   }
   stepUntil(end_);
   if (status_ == kInterrupted) {
-    report("interrupted at t = " + formatReal(runTime()) + " s; no output is written" + keepTables());
+    report("interrupted at t = " + formatShort(runTime()) + " s; no output is written" + keepTables());
     return kInterrupted + terminal_.stop.number;
   }
   finish();

@@ -105,6 +105,7 @@ class Run {
   std::string frame_;
   std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end
   unsigned long long steps_ = 0, clouds_ = 0, forces_ = 0, wrenches_ = 0, tools_ = 0;  // taken; all but the first from the bag
+  unsigned long long followed_ = 0;                                                    // later clouds, that the surface tracked
   std::size_t not_taken_ = 0;                                                          // of the bag, since the run ended before
   std::int64_t first_not_taken_ = 0;                                                   // ns
   int status_ = kDone;

@@ -70,6 +70,7 @@ void Run::track(DecodedCloud& decoded, std::int64_t stamp) {
     bringInto(frame_, stamp, decoded);
     filter(decoded.cloud);
     simulation_->observe(decoded.cloud);
+    ++followed_;
   } catch (const InputError& error) {
     reportRefusal("cloud", stamp, error);
   }
@@ -109,8 +110,9 @@ void Run::bringInto(const std::string& frame, std::int64_t stamp, DecodedCloud& 
 
 // Counts of what was used of the bag, and what was not.
 void Run::noteBag() {
-  note("taken from " + options_.bag_in + ": clouds " + std::to_string(clouds_) + ", forces " + std::to_string(forces_) +
-       ", wrenches " + std::to_string(wrenches_) + ", commands to tools " + std::to_string(tools_));
+  note("taken from " + options_.bag_in + ": clouds " + std::to_string(clouds_) +
+       (followed_ > 0 ? " (" + std::to_string(followed_) + " later ones were followed)" : "") + ", forces " +
+       std::to_string(forces_) + ", wrenches " + std::to_string(wrenches_) + ", commands to tools " + std::to_string(tools_));
   if (not_taken_ == 0) return;
   const auto findTime = [this](std::int64_t stamp) { return formatShort(static_cast<double>(stamp - run_start_) * 1e-9); };
   note("not taken from " + options_.bag_in + ": " + std::to_string(not_taken_) + " of " + std::to_string(bag_->entries().size()) +

@@ -38,14 +38,16 @@ void Run::finish() {
   const simulation::Statistics statistics = simulation_->statistics();
   float largest = 0.0f;
   for (const float displacement : simulation_->surface(false).displacement) largest = std::max(largest, displacement);
-  char text[400];
+  char text[500];
   std::snprintf(text, sizeof text,
                 "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
                 "wall time             %.3f s, %.3f s of it for set-up\nreal-time factor      %.3g (without set-up)\n"
                 "largest displacement  %.6g m (at the end)\n"
-                "state hash            %016llx\n",
+                "state hash            %016llx\n"
+                "  as in messages      %llu\n",
                 statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, set_up_seconds_,
-                runTime() / (wall_time - set_up_seconds_), largest, static_cast<unsigned long long>(statistics.state_hash));
+                runTime() / (wall_time - set_up_seconds_), largest, static_cast<unsigned long long>(statistics.state_hash),
+                static_cast<unsigned long long>(statistics.state_hash));
   terminal_.out << text << std::flush;
 }
 
