@@ -204,7 +204,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     body.passed.swap(scratch_);
 
     // A tool that passes between the points: a point of its axis goes through a triangle, or comes into a body.
-    const Points axis = listAxisPoints(body.tool.shape);
+    const AxisPoints axis = listAxisPoints(body.tool.shape);
     const auto isPassed = [&](Index i) {
       return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},
                                 [](const Passed& a, const Passed& b) { return a.point < b.point; });

@@ -29,7 +29,7 @@ double findWidth(const geometry::Solid& shape) {
   return extents[1];
 }
 
-Points listAxisPoints(const geometry::Solid& shape) {
+AxisPoints listAxisPoints(const geometry::Solid& shape) {
   using Kind = geometry::Solid::Kind;
   Vec3 end = Vec3::Zero();
   if (shape.kind == Kind::kCylinder) end.z() = 0.5 * shape.height - shape.radius;
@@ -39,8 +39,8 @@ Points listAxisPoints(const geometry::Solid& shape) {
     const double length = shape.size.maxCoeff(&longest);
     end[longest] = 0.5 * (length - findWidth(shape));
   }
-  if (!(end.maxCoeff() > 0.0)) return {Vec3::Zero()};
-  return {Vec3::Zero(), end, -end};
+  const Vec3 origin = Vec3::Zero();
+  return {{origin, end, -end}, end.maxCoeff() > 0.0 ? std::size_t{3} : std::size_t{1}};
 }
 
 bool isInReach(const tool::ToolParams& tool, double time, const Points& points) {

@@ -4,6 +4,9 @@
 
 #include "deformable_surface/tool/tool.h"
 
+#include <array>
+#include <cstddef>
+
 namespace deformable_surface::simulation {
 
 /// Radius (m) of a ball about the tool's origin that holds its shape; infinite for a plane.
@@ -12,10 +15,20 @@ double findRadius(const geometry::Solid& shape);
 /// The width (m) of what passes through a surface with the longest extent ahead: the second of the three extents.
 double findWidth(const geometry::Solid& shape);
 
+struct AxisPoints {
+  std::array<Vec3, 3> places;
+  std::size_t count;
+
+  std::size_t size() const { return count; }
+  const Vec3* begin() const { return places.data(); }
+  const Vec3* end() const { return places.data() + count; }
+  const Vec3& operator[](std::size_t k) const { return places[k]; }
+};
+
 /// Points of the tool's axis, m, in its frame, that tell whether it has gone through a surface: the origin and, where the shape
 /// is longer than wide, one towards either end, as deep as half its width (of a cone: at a quarter of its height from either
 /// end).
-Points listAxisPoints(const geometry::Solid& shape);
+AxisPoints listAxisPoints(const geometry::Solid& shape);
 
 /// Whether any of the points (n x 3) is within that ball at a time (s) at which the tool acts; for tools that attract, within
 /// tool.reach of the ball.

@@ -92,7 +92,7 @@ class ContactSceneMaker {
     ball.shape.radius = draw(0.03, 0.06);
     const double top = 0.4 + ball.shape.radius;
     ball.path = {{0.3, Vec3(0.1, 0.0, top), kUpright},
-                 {0.3 + draw(0.1, 0.5), Vec3(0.1, 0.0, ball.shape.radius + 0.012), kUpright}};
+                 {0.3 + draw(0.1, 0.5), Vec3(0.1, 0.0, ball.shape.radius + 4.0 * scene_.params.material.thickness), kUpright}};
     scene_.params.tools.push_back(ball);
     return std::move(scene_);
   }

@@ -73,7 +73,7 @@ std::vector<const tool::ToolParams*> PiercingWatch::lookAtBroken(double time, co
 
 bool PiercingWatch::hasGoneThrough(const tool::ToolParams& tool, double time, const model::State& state, double spacing,
                                    bool is_edge, Watched& watched) {
-  const Points axis = listAxisPoints(tool.shape);
+  const AxisPoints axis = listAxisPoints(tool.shape);
   if (watched.signs.size() != axis.size()) {
     watched.signs.assign(axis.size(), 0.0);
     watched.places.assign(axis.size(), Vec3::Constant(std::numeric_limits<double>::infinity()));
