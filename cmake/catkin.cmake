@@ -145,6 +145,10 @@ if(CATKIN_ENABLE_TESTING)
     get_filename_component(name ${source} NAME_WE)
     add_unit_test(${name} deformable_surface_ros ${source})
   endforeach()
+  # The other sources of that program are tested with a roscore.
+  if(TARGET marker_way_test)
+    target_sources(marker_way_test PRIVATE src/ros/interactive_markers/marker_way.cpp)
+  endif()
 
   # The decoder reads what strangers send: its test runs under the sanitizers as well.
   add_unit_test(cloud_decoder_sanitized_test "${catkin_LIBRARIES}" test/ros/convert/cloud_decoder_test.cpp

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The modelling loop of [Szeliski and Tonnesen 1991, sec. 8] without a person: sprays points into space, lets them form a sheet,
 shapes it, freezes it, melts it, trims it, adds to it. It checks each result and ends with an error if one is missing.
-With ~spray_only it stops after the first step, so that a user can continue in RViz."""
+With ~spray_only it stops after the first step, so that a user can continue in RViz. With ~sheet (its length and width, m) it only
+publishes a bare sheet."""
 import os
 import sys
 
@@ -27,6 +28,16 @@ def spray(random, center, size, apart, tries=4000):
         if len(points) == 0 or np.linalg.norm(points - point, axis=1).min() >= apart:
             points = np.vstack([points, point])
     return points
+
+
+def make_lattice(length, width, spacing):
+    """The lattice of scenes of this size: about the origin in z = 0, each point equally far from its six first neighbours."""
+    columns = int(round(length / spacing)) + 1
+    step = length / (columns - 1)
+    rows = int(round(width / (0.5 * np.sqrt(3) * step))) + 1
+    points = [((i - 0.5 * (columns - 1 - j % 2)) * step, 0.5 * np.sqrt(3) * step * (j - 0.5 * (rows - 1)), 0.0)
+              for j in range(rows) for i in range(columns - j % 2)]
+    return np.array(points)
 
 
 def count_parts(points, reach):
@@ -127,15 +138,22 @@ class Modeller:
         self.tools.publish(ToolArray(tools=[Tool(id="ball", action=Tool.DELETE)]))
         self.wait("no ball", lambda: "ball" not in self.contacts)
 
+    def publish(self, points):
+        self.cloud.publish(make_cloud(points, rospy.Time.now(), self.frame))
+
     def run(self):
         a = self.spacing
+        sheet = rospy.get_param("~sheet", None)
+        if sheet:
+            self.publish(make_lattice(*sheet, a))
+            return
         # Spray: in a slab, as from a can that moves over a table; in the plane, along a line.
         if self.plane:
             x = np.cumsum(self.random.uniform(0.8 * a, 1.2 * a, 25))
             sprayed = np.stack([x - x.mean(), 0 * x, self.random.uniform(-0.2 * a, 0.2 * a, 25)], axis=1)
         else:
             sprayed = spray(self.random, np.zeros(3), np.array([12 * a, 12 * a, 0.4 * a]), 0.75 * a)
-        self.cloud.publish(make_cloud(sprayed, rospy.Time.now(), self.frame))
+        self.publish(sprayed)
         self.wait("particles", lambda: self.points is not None and len(self.points) == len(sprayed))
         self.note("sprayed", "%d points, %.2f spacings thick" % (len(sprayed), self.measure_thickness(sprayed)))
         if rospy.get_param("~spray_only", False):
@@ -225,7 +243,7 @@ def main():
     if output:
         with open(output, "w") as stream:
             stream.writelines("%-10s %s\n" % line for line in modeller.table)
-    if rospy.get_param("~spray_only", False):
+    if rospy.get_param("~spray_only", False) or rospy.get_param("~sheet", None):
         rospy.spin()
     else:
         end_launch()

@@ -24,7 +24,7 @@ constexpr char kHelp[] = R"(deformable_surface_interactive_markers: pulls and pi
   rosrun deformable_surface deformable_surface_interactive_markers [_surface:=NAME] [_rate:=HZ] [_radius:=M]
 
 Parameters (private): surface (deformable_surface), rate (10 Hz), radius (auto, m), strength (0 = any, N),
-  heat (500 K), attraction (10 N/m)
+  heat (500 K), attraction (10 N/m), speed (auto, m/s)
 In RViz: the display InteractiveMarkers with the topic ~update. docs/rviz.md says what can be done.
 )";
 

@@ -66,19 +66,23 @@ void MarkerServer::makeMenus() {
     std::string title = info.name;
     title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
     tool_menu_.insert(mode_menu, title, [this, mode = info.code](const Feedback& feedback) {
-      MarkedTool& tool = held_.at(feedback->marker_name).tool;
-      tool.mode = mode;
-      showTool(tool);
+      HeldTool& held = held_.at(feedback->marker_name);
+      held.tool.mode = mode;
+      showTool(held);
     });
   }
+  hand_menu_.insert("Take hold", [this](const Feedback& feedback) { takeHold(held_.at(feedback->marker_name)); });
+  hand_menu_.insert("Let go", [this](const Feedback& feedback) { letGo(held_.at(feedback->marker_name)); });
   const auto scale = [this](const Feedback& feedback, double factor) {
-    MarkedTool& tool = held_.at(feedback->marker_name).tool;
-    for (double& size : tool.primitive.dimensions) size *= factor;
-    showTool(tool);
+    HeldTool& held = held_.at(feedback->marker_name);
+    for (double& size : held.tool.primitive.dimensions) size *= factor;
+    showTool(held);
   };
-  tool_menu_.insert("Larger", [scale](const Feedback& feedback) { scale(feedback, kLarger); });
-  tool_menu_.insert("Smaller", [scale](const Feedback& feedback) { scale(feedback, 1.0 / kLarger); });
-  tool_menu_.insert("Delete", [this](const Feedback& feedback) { removeTool(feedback->marker_name); });
+  for (interactive_markers::MenuHandler* menu : {&tool_menu_, &hand_menu_}) {
+    menu->insert("Larger", [scale](const Feedback& feedback) { scale(feedback, kLarger); });
+    menu->insert("Smaller", [scale](const Feedback& feedback) { scale(feedback, 1.0 / kLarger); });
+    menu->insert("Delete", [this](const Feedback& feedback) { removeTool(feedback->marker_name); });
+  }
 
   const double size = kToolShare * extent_, blade = kBladeShare * extent_;
   std::vector<std::tuple<const char*, std::uint8_t, SolidPrimitive>> kinds = {
@@ -96,6 +100,7 @@ void MarkerServer::makeMenus() {
     spot_menu_.insert(tools_menu, name,
                       [this, mode = mode, primitive = primitive](const Feedback&) { addTool(mode, primitive); });
   }
+  if (isOfParticles()) spot_menu_.insert(tools_menu, "Warm hand", [this](const Feedback&) { addWarmHand(); });
 
   add(panel_menu_, "Pause", [this] { pause(true); });
   add(panel_menu_, "Go on", [this] { pause(false); });
@@ -115,21 +120,30 @@ void MarkerServer::makeMenus() {
   });
 }
 
+std::string MarkerServer::makeId() { return std::string(kGripId) + "_" + std::to_string(++num_made_); }
+
 /// Beside the spot, not in it: a solid tool there would throw the surface off.
 void MarkerServer::addTool(std::uint8_t mode, const SolidPrimitive& primitive) {
   const std::size_t spot = findSpot();
   MarkedTool tool;
-  tool.id = std::string(kGripId) + "_" + std::to_string(++num_made_);
+  tool.id = makeId();
   tool.mode = mode;
   tool.primitive = primitive;
   tool.pose = makePose(points_[spot] + (0.5 * findExtent(primitive) + spacing_) * normalAt(spot));
-  held_[tool.id].tool = tool;
-  showTool(tool);
+  HeldTool& held = held_[tool.id];
+  held.tool = tool;
+  held.spacing = spacing_;
+  makeWay(held);
+  showTool(held);
 }
 
 void MarkerServer::removeTool(const std::string& id) {
   const auto found = held_.find(id);
-  send(found->second.tool, Tool::DELETE);
+  if (found->second.is_warm_hand) {
+    letGo(found->second);
+  } else {
+    send(found->second.tool, Tool::DELETE);
+  }
   held_.erase(found);
   server_.erase(id);
 }
@@ -161,12 +175,7 @@ void MarkerServer::spray() {
     const auto isNear = [&](const Vec3& other) { return (other - point).norm() < kSprayApart * spacing_; };
     if (offset.norm() > 1.0 || std::any_of(taken.begin(), taken.end(), isNear)) continue;
     taken.push_back(point);
-    geometry_msgs::Pose pose = makePose(point);
-    pose.orientation.w = turn.w();
-    pose.orientation.x = turn.x();
-    pose.orientation.y = turn.y();
-    pose.orientation.z = turn.z();
-    service.request.poses.push_back(pose);
+    service.request.poses.push_back(makePose(tool::Pose{point, turn}));
   }
   call("edit", service);
 }

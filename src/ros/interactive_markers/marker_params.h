@@ -14,6 +14,7 @@ struct MarkerParams {
   double strength = 0.0;     // N, >= 0; 0 = any
   double heat = 500.0;       // K above ambient, > 0
   double attraction = 10.0;  // N/m, > 0
+  OrAuto<double> speed;      // m/s of simulation time, > 0
 };
 
 inline void visit(Fields& fields, MarkerParams& p) {
@@ -24,6 +25,9 @@ inline void visit(Fields& fields, MarkerParams& p) {
   fields.number("strength", p.strength, "N", between(0.0, 1e12), "force at which a pull slips off the surface; 0 = never");
   fields.number("heat", p.heat, "K", between(1e-6, 1e9), "strength of a heating tool, above ambient");
   fields.number("attraction", p.attraction, "N/m", between(1e-9, 1e12), "strength of an attracting tool");
+  fields.number("speed", p.speed, "m/s", between(1e-9, 1e6),
+                "largest speed at which tools follow their markers, in simulation time; `auto` = 6 spacings of the simulation "
+                "points per second for a warm hand, others at once");
   fields.require(!p.surface.empty(), "surface", "found empty text; accepted: the name of a node");
 }
 

@@ -1,11 +1,9 @@
 #include "marker_server.h"
 
-#include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
-#include "deformable_surface/ros/convert/frames.h"
 
 #include <sensor_msgs/point_cloud2_iterator.h>
 
@@ -58,6 +56,8 @@ MarkerServer::MarkerServer(const MarkerParams& params)
           "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { takePoints(*m); })),
       wrenches_subscriber_(
           node_.subscribe<ToolWrenchArray>("tool_wrenches", 1, [this](const ToolWrenchArrayConstPtr& m) { takeWrenches(*m); })),
+      statistics_subscriber_(
+          node_.subscribe<Statistics>("statistics", 10, [this](const StatisticsConstPtr& m) { takeStatistics(*m); })),
       timer_(node_.createWallTimer(ros::WallDuration(1.0 / params.rate), [this](const ros::WallTimerEvent&) { refresh(); })),
       server_(ros::this_node::getName()) {
   ROS_INFO_STREAM("waiting for the points of " << surface_);
@@ -106,14 +106,30 @@ void MarkerServer::takeWrenches(const ToolWrenchArray& message) {
   const ros::WallTime now = ros::WallTime::now();
   noticeSlip(message);
   std::string refused;
+  const auto find = [&](const std::string& id) {
+    const auto found =
+        std::find_if(message.wrenches.begin(), message.wrenches.end(), [&](const ToolWrench& wrench) { return wrench.id == id; });
+    return found == message.wrenches.end() ? nullptr : &*found;
+  };
   for (auto& [id, held] : held_) {
-    const auto is_this = [&id = id](const ToolWrench& wrench) { return wrench.id == id; };
-    if (std::any_of(message.wrenches.begin(), message.wrenches.end(), is_this)) {
+    const ToolWrench* const wrench = find(id);
+    if (!held.acts) {
+      // A snapshot has brought back a hand that has let go.
+      if (!wrench || (now - held.sent).toSec() <= kRepeatPeriod) continue;
+      held.sent = now;
+      send(held.tool, Tool::DELETE);
+    } else if (wrench) {
       held.repeats = 0;
+      // The first message can still be of what was held before.
+      const bool is_news =
+          !held.num_told || ((now - held.held_since).toSec() < kRepeatPeriod && *held.num_told != wrench->contacts);
+      if (held.is_warm_hand && is_news) {
+        held.num_told = wrench->contacts;
+        showAnswer(id + " holds " + std::to_string(wrench->contacts) + " particles", wrench->contacts > 0);
+      }
     } else if ((now - held.sent).toSec() > kRepeatPeriod) {
       if (++held.repeats > kMaxRepeats) refused = id;
-      held.sent = now;
-      send(held.tool, Tool::ADD);
+      sendHeld(held);
     }
   }
   if (refused.empty()) return;
@@ -242,25 +258,24 @@ Vec3 MarkerServer::normalAt(std::size_t row) const { return normals_[row].allFin
 void MarkerServer::onTool(const Feedback& feedback) {
   const auto found = held_.find(feedback->marker_name);
   if (found == held_.end() || feedback->event_type != InteractiveMarkerFeedback::POSE_UPDATE) return;
+  HeldTool& held = found->second;
   try {
-    readPose(feedback->pose);
+    const tool::Pose pose = toPose(feedback->pose);
+    if (held.way) held.way->append(pose);
   } catch (const InputError& error) {
     return showAnswer(toOneLine(error.what()), false);
   }
-  found->second.tool.pose = feedback->pose;
-  found->second.sent = ros::WallTime::now();
-  send(found->second.tool, Tool::ADD);
+  held.tool.pose = feedback->pose;
+  if (held.acts && !held.way) sendHeld(held);
 }
 
 // ---- Showing and sending ----
 
-void MarkerServer::showTool(const MarkedTool& tool) {
-  server_.insert(makeToolHandle(header_, tool), [this](const Feedback& feedback) { onTool(feedback); });
-  tool_menu_.apply(server_, tool.id);
-  HeldTool& held = held_.at(tool.id);
-  held.sent = ros::WallTime::now();
+void MarkerServer::showTool(HeldTool& held) {
+  server_.insert(makeToolHandle(header_, held.tool), [this](const Feedback& feedback) { onTool(feedback); });
+  (held.is_warm_hand ? hand_menu_ : tool_menu_).apply(server_, held.tool.id);
   held.repeats = 0;
-  send(tool, Tool::ADD);
+  if (held.acts) sendHeld(held);
 }
 
 void MarkerServer::showPanel() {
@@ -268,10 +283,8 @@ void MarkerServer::showPanel() {
   panel_menu_.apply(server_, kPanelHandle);
 }
 
-void MarkerServer::send(const MarkedTool& tool, std::uint8_t action) {
-  ToolArray array;
-  array.tools.resize(1);
-  Tool& message = array.tools[0];
+Tool MarkerServer::makeMessage(const MarkedTool& tool, std::uint8_t action) const {
+  Tool message;
   message.header.frame_id = header_.frame_id;
   message.id = tool.id;
   message.action = action;
@@ -281,6 +294,12 @@ void MarkerServer::send(const MarkedTool& tool, std::uint8_t action) {
   message.strength = tool.strength;
   if (tool.mode == Tool::HEAT) message.strength = params_.heat;
   if (tool.mode == Tool::ATTRACT) message.strength = params_.attraction;
+  return message;
+}
+
+void MarkerServer::send(const MarkedTool& tool, std::uint8_t action) {
+  ToolArray array;
+  array.tools.push_back(makeMessage(tool, action));
   tools_.publish(array);
 }
 

@@ -4,7 +4,10 @@
 
 #include "marker_params.h"
 #include "marker_shapes.h"
+#include "marker_way.h"
 
+#include "deformable_surface/Statistics.h"
+#include "deformable_surface/ToolArray.h"
 #include "deformable_surface/ToolWrenchArray.h"
 
 #include <interactive_markers/interactive_marker_server.h>
@@ -35,7 +38,17 @@ class MarkerServer {
     bool holds = false;    // according to the tool wrenches
   };
   struct HeldTool {
-    MarkedTool tool;
+    MarkedTool tool;  // its pose is that of the marker
+    /// Where the surface has it.
+    geometry_msgs::Pose pose() const { return way ? makePose(way->pose()) : tool.pose; }
+
+    bool is_warm_hand = false;  // the user says when it takes hold; while it moves, it heats what is behind it
+    bool acts = true;           // false: only its marker exists
+    bool is_warm = false;       // the surface has its heat
+    double spacing = 0.0;       // m, of the surface when it was made: the sizes of a hand do not change while particles are added
+    std::optional<std::uint32_t> num_told;  // of the particles that it holds, the number that was told
+    ros::WallTime held_since;
+    std::optional<MarkerWay> way;  // of one that acts and has a largest speed
     ros::WallTime sent;
     int repeats = 0;  // sent again because the surface did not have it
   };
@@ -43,6 +56,7 @@ class MarkerServer {
   // From the surface.
   void takePoints(const sensor_msgs::PointCloud2& message);
   void takeWrenches(const ToolWrenchArray& message);
+  void takeStatistics(const Statistics& message);
   void noticeSlip(const ToolWrenchArray& message);
   void measure();
   void refresh();
@@ -60,6 +74,12 @@ class MarkerServer {
   // Menus.
   void makeMenus();
   void addTool(std::uint8_t mode, const shape_msgs::SolidPrimitive& primitive);
+  void addWarmHand();
+  std::string makeId();
+  void takeHold(HeldTool& hand);
+  void letGo(HeldTool& hand);
+  void release(HeldTool& hand);
+  MarkedTool makeWarmth(const HeldTool& hand) const;
   void removeTool(const std::string& id);
   void pin(const char* service);
   void spray();
@@ -67,8 +87,13 @@ class MarkerServer {
   void pause(bool paused);
   void takeSteps(std::uint32_t count);
 
-  void showTool(const MarkedTool& tool);
+  void showTool(HeldTool& held);
   void showPanel();
+  void follow(HeldTool& held, double elapsed);
+  double limitOf(const HeldTool& held) const;
+  void makeWay(HeldTool& held);
+  void sendHeld(HeldTool& held, bool begins_anew = false);
+  Tool makeMessage(const MarkedTool& tool, std::uint8_t action) const;
   void send(const MarkedTool& tool, std::uint8_t action);
   template <class Service>
   void call(const char* name, Service& service);
@@ -86,10 +111,10 @@ class MarkerServer {
   const std::string surface_;
   ros::NodeHandle node_;
   ros::Publisher tools_;
-  ros::Subscriber points_subscriber_, wrenches_subscriber_;
+  ros::Subscriber points_subscriber_, wrenches_subscriber_, statistics_subscriber_;
   ros::WallTimer timer_;
   interactive_markers::InteractiveMarkerServer server_;
-  interactive_markers::MenuHandler spot_menu_, panel_menu_, tool_menu_;
+  interactive_markers::MenuHandler spot_menu_, panel_menu_, tool_menu_, hand_menu_;
   bool has_menus_ = false;
 
   // The surface as of its last message, and as it was shown last.
@@ -103,6 +128,8 @@ class MarkerServer {
   std::uint32_t spot_ = 0;  // a row of points_, or the id of a particle
   std::optional<Grip> grip_;
   std::map<std::string, HeldTool> held_;
+  std::optional<double> time_;  // s, of the surface, since the cloud with the number
+  std::uint32_t cloud_ = 0;
   int num_made_ = 0;  // tools and sprays so far, for unique names
   std::string sentence_;
 };

@@ -1,6 +1,7 @@
 #include "marker_shapes.h"
 
 #include "deformable_surface/ros/convert/color_scale.h"
+#include "deformable_surface/ros/convert/frames.h"
 #include "deformable_surface/tool/tool_modes.h"
 
 #include <algorithm>
@@ -106,6 +107,20 @@ geometry_msgs::Pose makePose(const Vec3& position) {
   pose.position.z = position.z();
   pose.orientation.w = 1.0;
   return pose;
+}
+
+geometry_msgs::Pose makePose(const tool::Pose& pose) {
+  geometry_msgs::Pose message = makePose(pose.position);
+  message.orientation.w = pose.orientation.w();
+  message.orientation.x = pose.orientation.x();
+  message.orientation.y = pose.orientation.y();
+  message.orientation.z = pose.orientation.z();
+  return message;
+}
+
+tool::Pose toPose(const geometry_msgs::Pose& pose) {
+  const Eigen::Isometry3d T_surface_tool = readPose(pose);
+  return {T_surface_tool.translation(), Eigen::Quaterniond(T_surface_tool.linear())};
 }
 
 shape_msgs::SolidPrimitive makePrimitive(std::uint8_t type, std::initializer_list<double> sizes) {

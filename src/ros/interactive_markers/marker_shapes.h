@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/ros/convert/text_place.h"
+#include "deformable_surface/tool/tool.h"
 
 #include <geometry_msgs/Pose.h>
 #include <shape_msgs/SolidPrimitive.h>
@@ -46,6 +47,9 @@ visualization_msgs::InteractiveMarker makePanelHandle(const std_msgs::Header& he
                                                       const std::string& sentence);
 
 geometry_msgs::Pose makePose(const Vec3& position);
+geometry_msgs::Pose makePose(const tool::Pose& pose);
+/// Throws InputError for numbers that are not finite and an orientation that is not of unit length.
+tool::Pose toPose(const geometry_msgs::Pose& pose);
 /// type and sizes: as of shape_msgs/SolidPrimitive.
 shape_msgs::SolidPrimitive makePrimitive(std::uint8_t type, std::initializer_list<double> sizes);
 

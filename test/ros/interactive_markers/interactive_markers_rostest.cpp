@@ -2,21 +2,15 @@
 // checks the surface.
 #include "../bad_clouds.h"
 #include "../node_client.h"
+#include "fake_rviz.h"
 
 #include "deformable_surface/ToolWrenchArray.h"
-
-#include <visualization_msgs/InteractiveMarkerFeedback.h>
-#include <visualization_msgs/InteractiveMarkerInit.h>
-#include <visualization_msgs/InteractiveMarkerUpdate.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace deformable_surface::node::test {
 namespace {
-
-using visualization_msgs::InteractiveMarker;
-using visualization_msgs::InteractiveMarkerFeedback;
 
 constexpr char kScene[] = R"(
 model: mass_spring
@@ -37,75 +31,6 @@ sensor_msgs::PointCloud2 makeFlatSheet() {
   return cloud;
 }
 
-/// The markers as RViz has them, and the actions of a person in RViz.
-class FakeRviz {
- public:
-  FakeRviz()
-      : init_(node_.subscribe<visualization_msgs::InteractiveMarkerInit>(
-            "/hand/update_full", 100,
-            [this](const visualization_msgs::InteractiveMarkerInitConstPtr& m) {
-              for (const auto& marker : m->markers) markers[marker.name] = marker;
-            })),
-        update_(node_.subscribe<visualization_msgs::InteractiveMarkerUpdate>(
-            "/hand/update", 100,
-            [this](const visualization_msgs::InteractiveMarkerUpdateConstPtr& m) {
-              for (const auto& marker : m->markers) markers[marker.name] = marker;
-              for (const auto& pose : m->poses) markers[pose.name].pose = pose.pose;
-              for (const auto& name : m->erases) markers.erase(name);
-              num_updates += m->type == visualization_msgs::InteractiveMarkerUpdate::UPDATE;
-            })),
-        feedback_(node_.advertise<InteractiveMarkerFeedback>("/hand/feedback", 100)) {}
-
-  bool waitForMarker(const std::string& name) {
-    return waitUntil([&] { return markers.count(name) > 0 && feedback_.getNumSubscribers() > 0; });
-  }
-
-  void press(const std::string& marker, const Vec3& handle, const Vec3& mouse) {
-    InteractiveMarkerFeedback feedback = makeFeedback(marker, InteractiveMarkerFeedback::MOUSE_DOWN, handle);
-    feedback.mouse_point.x = mouse.x(), feedback.mouse_point.y = mouse.y(), feedback.mouse_point.z = mouse.z();
-    feedback.mouse_point_valid = true;
-    feedback_.publish(feedback);
-  }
-  void drag(const std::string& marker, const Vec3& handle) {
-    feedback_.publish(makeFeedback(marker, InteractiveMarkerFeedback::POSE_UPDATE, handle));
-  }
-  void release(const std::string& marker, const Vec3& handle) {
-    feedback_.publish(makeFeedback(marker, InteractiveMarkerFeedback::MOUSE_UP, handle));
-  }
-  void choose(const std::string& marker, const std::string& title) {
-    InteractiveMarkerFeedback feedback = makeFeedback(marker, InteractiveMarkerFeedback::MENU_SELECT, Vec3::Zero());
-    const auto& entries = markers.at(marker).menu_entries;
-    const auto found = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.title == title; });
-    ASSERT_NE(found, entries.end()) << title;
-    feedback.pose = markers.at(marker).pose;
-    feedback.menu_entry_id = found->id;
-    feedback_.publish(feedback);
-  }
-  bool offers(const std::string& marker, const std::string& title) {
-    const auto& entries = markers.at(marker).menu_entries;
-    return std::any_of(entries.begin(), entries.end(), [&](const auto& entry) { return entry.title == title; });
-  }
-
-  std::map<std::string, InteractiveMarker> markers;
-  int num_updates = 0;
-
- private:
-  InteractiveMarkerFeedback makeFeedback(const std::string& marker, std::uint8_t event, const Vec3& handle) {
-    InteractiveMarkerFeedback feedback;
-    feedback.header.frame_id = "table";
-    feedback.client_id = "fake_rviz";
-    feedback.marker_name = marker;
-    feedback.event_type = event;
-    feedback.pose.position.x = handle.x(), feedback.pose.position.y = handle.y(), feedback.pose.position.z = handle.z();
-    feedback.pose.orientation.w = 1.0;
-    return feedback;
-  }
-
-  ros::NodeHandle node_;
-  ros::Subscriber init_, update_;
-  ros::Publisher feedback_;
-};
-
 class InteractiveMarkersTest : public ::testing::Test {
  protected:
   void start(const std::string& scene, const std::string& more = "") {
@@ -125,14 +50,6 @@ class InteractiveMarkersTest : public ::testing::Test {
     for (const char* name : {"surface", "spot", "panel"}) ASSERT_TRUE(rviz_.waitForMarker(name)) << name << markers_->output();
   }
 
-  /// The sentence beside the panel as RViz shows it.
-  visualization_msgs::Marker findAnswer() {
-    for (const auto& control : rviz_.markers["panel"].controls)
-      for (const auto& marker : control.markers)
-        if (marker.type == visualization_msgs::Marker::TEXT_VIEW_FACING) return marker;
-    return {};
-  }
-
   Vec3 lastPosition(int column, int row) const { return readPosition(*client_->frames.back(), row * kColumns + column); }
   int countPinned() const {
     int count = 0;
@@ -143,7 +60,7 @@ class InteractiveMarkersTest : public ::testing::Test {
     return count;
   }
 
-  FakeRviz rviz_;
+  FakeRviz rviz_{"/hand", "table"};
   std::unique_ptr<NodeProcess> process_, markers_;
   std::unique_ptr<NodeClient> client_;
   PointCloud2 points_;
@@ -189,7 +106,7 @@ TEST_F(InteractiveMarkersTest, SlipsWhereThePullTakesMoreThanItsStrength) {
   };
   ASSERT_TRUE(waitUntil([&] { return pull() || contacts_["hand"] > 0; })) << markers_->output();
   ASSERT_TRUE(waitUntil([&] { return pull() || contacts_.count("hand") == 0; })) << markers_->output();
-  EXPECT_TRUE(waitUntil([&] { return findAnswer().text.find("at most 1 N") != std::string::npos; })) << markers_->output();
+  EXPECT_TRUE(waitUntil([&] { return rviz_.findAnswer().text.find("at most 1 N") != std::string::npos; })) << markers_->output();
   // The button is still down.
   EXPECT_TRUE(waitUntil([&] { return pull() || std::abs(lastPosition(kColumns - 1, 5).x() - corner.x()) < 1e-4; }));
   EXPECT_EQ(contacts_.count("hand"), 0u);
@@ -240,8 +157,8 @@ TEST_F(InteractiveMarkersTest, PausesStepsAndResets) {
   rviz_.choose("panel", "Pause");
   ASSERT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "paused"; })) << markers_->output();
   // Letters large enough to be read while the whole surface is in view.
-  ASSERT_TRUE(waitUntil([&] { return findAnswer().text.find("paused") != std::string::npos; }));
-  EXPECT_GT(findAnswer().scale.z, 0.03 * Vec3(kSpacing * kColumns, kSpacing * kRows, 0.0).norm());
+  ASSERT_TRUE(waitUntil([&] { return rviz_.findAnswer().text.find("paused") != std::string::npos; }));
+  EXPECT_GT(rviz_.findAnswer().scale.z, 0.03 * Vec3(kSpacing * kColumns, kSpacing * kRows, 0.0).norm());
   EXPECT_TRUE(rviz_.markers["panel"].description.empty());
   const ros::Time stamp = client_->frames.back()->header.stamp;
   rviz_.choose("panel", "Ten steps");

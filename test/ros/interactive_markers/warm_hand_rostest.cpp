@@ -1,0 +1,184 @@
+// A person draws a handle from the bare sheet of launch/handle.launch, slowly and with jerks of the mouse: the recipe of
+// docs/rviz.md. The surface is paused and takes steps only once it has the commands, so that the result does not depend on the
+// machine.
+#include "../node_client.h"
+#include "fake_rviz.h"
+
+#include "deformable_surface/ToolStatusArray.h"
+#include "deformable_surface/ToolWrenchArray.h"
+#include "deformable_surface/model/oriented_particles/particle_triangles.h"
+
+namespace deformable_surface::node::test {
+namespace {
+
+constexpr char kHand[] = "hand_1", kWarmth[] = "hand_1_warmth";
+constexpr double kSpacing = 0.0345;                 // m, of the launch file
+constexpr double kLongestEdge = 1.75 * kSpacing;    // of triangles, as where the scene's result is counted
+constexpr int kSteps = 3;                           // at a time, as between two frames
+constexpr double kFar = 0.3;                        // m: a jerk
+constexpr double kFoot = -0.2794, kAnvil = 0.2794;  // m: x of the two ends of the handle
+
+Eigen::Quaterniond makeTurn(double degrees) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(degrees * kPi / 180.0, Vec3::UnitY()));
+}
+
+class WarmHandTest : public ::testing::Test {
+ protected:
+  WarmHandTest() {
+    points_ = client_.handle().subscribe<sensor_msgs::PointCloud2>(
+        "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { last_points_ = *m; });
+    wrenches_ = client_.handle().subscribe<ToolWrenchArray>("tool_wrenches", 100, [this](const ToolWrenchArrayConstPtr& m) {
+      contacts_.clear();
+      for (const ToolWrench& wrench : m->wrenches) contacts_[wrench.id] = wrench.contacts;
+    });
+    statuses_ =
+        client_.handle().subscribe<ToolStatusArray>("tool_status", 100, [this](const ToolStatusArrayConstPtr& m) { take(*m); });
+  }
+
+  /// Counts the commands that wait for the next step.
+  void take(const ToolStatusArray& message) {
+    for (const ToolStatus& status : message.tools) {
+      const bool waits = status.status == ToolStatus::WAITING;
+      num_sent_[status.id] += waits && !waits_[status.id];
+      waits_[status.id] = waits;
+    }
+  }
+
+  bool isAnswered(const std::string& part) {
+    return waitUntil([&] { return rviz_.findAnswer().text.find(part) != std::string::npos; });
+  }
+
+  /// Moves the marker, and waits until the program has it.
+  void drag(const Vec3& position, double degrees) {
+    const Eigen::Quaterniond turn = makeTurn(degrees);
+    rviz_.drag(kHand, position, turn);
+    ASSERT_TRUE(waitUntil([&] {
+      const geometry_msgs::Pose& pose = rviz_.markers[kHand].pose;
+      return pose.position.x == position.x() && pose.position.z == position.z() && pose.orientation.y == turn.y();
+    }));
+  }
+
+  /// Chooses from the menu of the hand, and waits until its command waits for a step.
+  void choose(const std::string& title) {
+    const int sent = num_sent_[kHand];
+    rviz_.choose(kHand, title);
+    ASSERT_TRUE(waitUntil([&] { return num_sent_[kHand] > sent; })) << title;
+  }
+
+  /// Takes some steps, and waits for the commands for the next one; false: the hand has arrived, its warmth goes.
+  bool takeSteps() {
+    const int hand = num_sent_[kHand], warmth = num_sent_[kWarmth];
+    EXPECT_TRUE(client_.step(kSteps).success);
+    EXPECT_TRUE(waitUntil([&] { return num_sent_[kHand] > hand || num_sent_[kWarmth] > warmth; }));
+    return num_sent_[kHand] > hand;
+  }
+  void waitForHand() {
+    while (takeSteps() && !HasFailure()) {}
+    ASSERT_TRUE(client_.step(1).success);
+    ASSERT_TRUE(isAnswered("is at its marker"));
+  }
+
+  model::ParticleTopology measure() {
+    EXPECT_TRUE(waitUntil([&] { return last_points_.header.stamp >= client_.frames.back()->header.stamp; }));
+    Points positions, normals;
+    for (std::size_t i = 0; i < last_points_.width; ++i) {
+      positions.push_back(readPosition(last_points_, i));
+      normals.emplace_back(readField(last_points_, i, "normal_x"), readField(last_points_, i, "normal_y"),
+                           readField(last_points_, i, "normal_z"));
+      normals.back().normalize();
+    }
+    return model::measureTopology(static_cast<Index>(positions.size()),
+                                  model::triangulateParticles(positions, normals, kLongestEdge));
+  }
+
+  NodeClient client_{"/deformable_surface"};
+  FakeRviz rviz_{"/deformable_surface_interactive_markers", "world"};
+  sensor_msgs::PointCloud2 last_points_;
+  std::map<std::string, std::uint32_t> contacts_;
+  std::map<std::string, int> num_sent_;
+  std::map<std::string, bool> waits_;
+  ros::Subscriber points_, wrenches_, statuses_;
+};
+
+TEST_F(WarmHandTest, DrawsAHandleSlowlyAndWithJerks) {
+  ASSERT_TRUE(client_.waitForNode());
+  for (const char* name : {"surface", "spot", "panel"}) ASSERT_TRUE(rviz_.waitForMarker(name)) << name;
+
+  // The hand is placed before it acts.
+  const Vec3 foot(kFoot, 0.0, 0.0);
+  rviz_.press("surface", Vec3::Zero(), foot);
+  rviz_.release("surface", Vec3::Zero());
+  rviz_.choose("spot", "Warm hand");
+  ASSERT_TRUE(rviz_.waitForMarker(kHand));
+  drag(foot, 0.0);
+  EXPECT_EQ(contacts_.count(kHand), 0u);
+  rviz_.choose(kHand, "Take hold");
+  ASSERT_TRUE(isAnswered("holds"));
+  EXPECT_GT(contacts_[kHand], 50u);
+  ASSERT_TRUE(client_.pause(true).success);
+  ASSERT_TRUE(client_.reset().success);
+  ASSERT_TRUE(isAnswered("has let go"));
+  ASSERT_TRUE(waitUntil([&] { return contacts_.count(kHand) == 0; }));
+
+  // A stem, slowly; a jerk ends before it leads anywhere.
+  choose("Take hold");
+  const double top = 8.0 * kSpacing;
+  constexpr int kParts = 40;
+  for (int i = 1; i <= kParts && !HasFailure(); ++i) {
+    if (i % 10 == 0) rviz_.drag(kHand, foot + Vec3(kFar, kFar, kFar));
+    drag(foot + Vec3(0.0, 0.0, top * i / kParts), 0.0);
+    takeSteps();
+  }
+  waitForHand();
+  EXPECT_EQ(contacts_.count(kWarmth), 0u);
+
+  // It is bent over, at once and with jerks, by eye: turned, then pulled along its axis, eight times.
+  choose("Larger");
+  ASSERT_TRUE(client_.step(1).success);
+  choose("Take hold");
+  constexpr int kBends = 8;
+  const double turns[kBends] = {24.0, 43.0, 69.0, 92.0, 110.0, 136.0, 159.0, 180.0};
+  const double lengths[kBends] = {0.11, 0.12, 0.10, 0.11, 0.11, 0.12, 0.10, 0.11};
+  Vec3 at = foot + Vec3(0.0, 0.0, top);
+  for (int i = 0; i < kBends && !HasFailure(); ++i) {
+    drag(at, turns[i]);
+    rviz_.drag(kHand, at - Vec3(kFar, 0.0, kFar), makeTurn(turns[i]));
+    rviz_.drag(kHand, at, makeTurn(turns[i]));
+    at += makeTurn(turns[i]) * Vec3(0.0, 0.0, lengths[i]);
+    drag(at, turns[i]);
+  }
+  waitForHand();
+
+  // And down onto the sheet above the anvil.
+  drag(Vec3(kAnvil, 0.0, 0.15), 180.0);
+  waitForHand();
+  ASSERT_TRUE(client_.step(30).success);
+  const model::ParticleTopology held = measure();
+  EXPECT_EQ(held.components, 1);
+  EXPECT_EQ(held.boundary_loops, 1);
+  EXPECT_EQ(held.euler_characteristic, -1);
+  EXPECT_EQ(held.isolated, 0);
+
+  // It stays when the hand is gone.
+  rviz_.choose(kHand, "Delete");
+  ASSERT_TRUE(waitUntil([&] { return rviz_.markers.count(kHand) == 0; }));
+  const StepResponse last = client_.step(30);
+  ASSERT_TRUE(last.success) << last.message;
+  RecordProperty("state_hash", std::to_string(last.state_hash));  // the same in every run
+  EXPECT_TRUE(waitUntil([&] { return contacts_.count(kHand) == 0; }));
+  const model::ParticleTopology left = measure();
+  EXPECT_EQ(left.components, 1);
+  EXPECT_EQ(left.boundary_loops, 1);
+  EXPECT_EQ(left.euler_characteristic, -1);
+  EXPECT_EQ(left.isolated, 0);
+}
+
+}  // namespace
+}  // namespace deformable_surface::node::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "warm_hand_rostest");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
