@@ -78,6 +78,16 @@ class WarmHandTest : public ::testing::Test {
     ASSERT_TRUE(isAnswered("is at its marker"));
   }
 
+  /// Not in one call, which must end in time.
+  void rest() {
+    StepResponse last;
+    for (int i = 0; i < 10; ++i) {
+      last = client_.step(kSteps);
+      ASSERT_TRUE(last.success) << last.message;
+    }
+    RecordProperty("state_hash", std::to_string(last.state_hash));  // the same in every run
+  }
+
   model::ParticleTopology measure() {
     EXPECT_TRUE(waitUntil([&] { return last_points_.header.stamp >= client_.frames.back()->header.stamp; }));
     Points positions, normals;
@@ -152,7 +162,7 @@ TEST_F(WarmHandTest, DrawsAHandleSlowlyAndWithJerks) {
   // And down onto the sheet above the anvil.
   drag(Vec3(kAnvil, 0.0, 0.15), 180.0);
   waitForHand();
-  ASSERT_TRUE(client_.step(30).success);
+  rest();
   const model::ParticleTopology held = measure();
   EXPECT_EQ(held.components, 1);
   EXPECT_EQ(held.boundary_loops, 1);
@@ -162,9 +172,7 @@ TEST_F(WarmHandTest, DrawsAHandleSlowlyAndWithJerks) {
   // It stays when the hand is gone.
   rviz_.choose(kHand, "Delete");
   ASSERT_TRUE(waitUntil([&] { return rviz_.markers.count(kHand) == 0; }));
-  const StepResponse last = client_.step(30);
-  ASSERT_TRUE(last.success) << last.message;
-  RecordProperty("state_hash", std::to_string(last.state_hash));  // the same in every run
+  rest();
   EXPECT_TRUE(waitUntil([&] { return contacts_.count(kHand) == 0; }));
   const model::ParticleTopology left = measure();
   EXPECT_EQ(left.components, 1);
