@@ -170,7 +170,7 @@ TEST_F(WarmHandTest, DrawsAHandleSlowlyAndWithJerks) {
   EXPECT_EQ(held.isolated, 0);
 
   // It stays when the hand is gone.
-  rviz_.choose(kHand, "Delete");
+  choose("Delete");
   ASSERT_TRUE(waitUntil([&] { return rviz_.markers.count(kHand) == 0; }));
   rest();
   EXPECT_TRUE(waitUntil([&] { return contacts_.count(kHand) == 0; }));
