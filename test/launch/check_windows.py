@@ -255,11 +255,6 @@ def check_tracked(folder):
         await_surface(folder, "tracked", launch)
 
 
-def check_handle(folder):
-    with Launch("handle.launch", "rviz:=true") as launch:
-        await_surface(folder, "handle", launch)
-
-
 def check_modelling(folder):
     with Launch("modelling.launch", "rviz:=true") as launch:
         await_surface(folder, "modelling", launch)
