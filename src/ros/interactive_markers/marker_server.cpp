@@ -283,8 +283,10 @@ void MarkerServer::showPanel() {
   panel_menu_.apply(server_, kPanelHandle);
 }
 
-Tool MarkerServer::makeMessage(const MarkedTool& tool, std::uint8_t action) const {
+/// Numbered, so that the status of a tool tells of which command it is.
+Tool MarkerServer::makeMessage(const MarkedTool& tool, std::uint8_t action) {
   Tool message;
+  message.header.seq = ++num_commands_;
   message.header.frame_id = header_.frame_id;
   message.id = tool.id;
   message.action = action;

@@ -93,7 +93,7 @@ class MarkerServer {
   double limitOf(const HeldTool& held) const;
   void makeWay(HeldTool& held);
   void sendHeld(HeldTool& held, bool begins_anew = false);
-  Tool makeMessage(const MarkedTool& tool, std::uint8_t action) const;
+  Tool makeMessage(const MarkedTool& tool, std::uint8_t action);
   void send(const MarkedTool& tool, std::uint8_t action);
   template <class Service>
   void call(const char* name, Service& service);
@@ -131,6 +131,7 @@ class MarkerServer {
   std::optional<double> time_;  // s, of the surface, since the cloud with the number
   std::uint32_t cloud_ = 0;
   int num_made_ = 0;  // tools and sprays so far, for unique names
+  std::uint32_t num_commands_ = 0;
   std::string sentence_;
 };
 

@@ -4,9 +4,12 @@
 #include "../node_client.h"
 #include "fake_rviz.h"
 
+#include "deformable_surface/Tool.h"
 #include "deformable_surface/ToolStatusArray.h"
 #include "deformable_surface/ToolWrenchArray.h"
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
+
+#include <algorithm>
 
 namespace deformable_surface::node::test {
 namespace {
@@ -31,17 +34,18 @@ class WarmHandTest : public ::testing::Test {
       contacts_.clear();
       for (const ToolWrench& wrench : m->wrenches) contacts_[wrench.id] = wrench.contacts;
     });
-    statuses_ =
-        client_.handle().subscribe<ToolStatusArray>("tool_status", 100, [this](const ToolStatusArrayConstPtr& m) { take(*m); });
+    statuses_ = client_.handle().subscribe<ToolStatusArray>("tool_status", 100, [this](const ToolStatusArrayConstPtr& m) {
+      for (const ToolStatus& status : m->tools) {
+        last_[status.id] = status;
+        last_command_ = std::max(last_command_, status.header.seq);
+      }
+    });
   }
 
-  /// Counts the commands that wait for the next step.
-  void take(const ToolStatusArray& message) {
-    for (const ToolStatus& status : message.tools) {
-      const bool waits = status.status == ToolStatus::WAITING;
-      num_sent_[status.id] += waits && !waits_[status.id];
-      waits_[status.id] = waits;
-    }
+  /// The surface has a command to the tool that is younger than the given one. Only the last status is sure to come.
+  bool has(std::uint8_t action, const char* tool, std::uint32_t before) const {
+    const auto found = last_.find(tool);
+    return found != last_.end() && found->second.action == action && found->second.header.seq > before;
   }
 
   bool isAnswered(const std::string& part) {
@@ -58,22 +62,23 @@ class WarmHandTest : public ::testing::Test {
     }));
   }
 
-  /// Chooses from the menu of the hand, and waits until its command waits for a step.
-  void choose(const std::string& title) {
-    const int sent = num_sent_[kHand];
+  /// Chooses from the menu of the hand, and waits until the surface has its command.
+  void choose(const std::string& title, std::uint8_t action = Tool::ADD) {
+    const std::uint32_t before = last_command_;
     rviz_.choose(kHand, title);
-    ASSERT_TRUE(waitUntil([&] { return num_sent_[kHand] > sent; })) << title;
+    ASSERT_TRUE(waitUntil([&] { return has(action, kHand, before); })) << title;
   }
 
   /// Takes some steps, and waits for the commands for the next one; false: the hand has arrived, its warmth goes.
   bool takeSteps() {
-    const int hand = num_sent_[kHand], warmth = num_sent_[kWarmth];
+    const std::uint32_t before = last_command_;
+    const auto goesOn = [&] { return has(Tool::ADD, kHand, before) && has(Tool::ADD, kWarmth, before); };
     EXPECT_TRUE(client_.step(kSteps).success);
-    EXPECT_TRUE(waitUntil([&] { return num_sent_[kHand] > hand || num_sent_[kWarmth] > warmth; }));
-    return num_sent_[kHand] > hand;
+    EXPECT_TRUE(waitUntil([&] { return goesOn() || has(Tool::DELETE, kWarmth, before); }));
+    return goesOn();
   }
   void waitForHand() {
-    while (takeSteps() && !HasFailure()) {}
+    while (!HasFailure() && takeSteps()) {}
     ASSERT_TRUE(client_.step(1).success);
     ASSERT_TRUE(isAnswered("is at its marker"));
   }
@@ -105,8 +110,8 @@ class WarmHandTest : public ::testing::Test {
   FakeRviz rviz_{"/deformable_surface_interactive_markers", "world"};
   sensor_msgs::PointCloud2 last_points_;
   std::map<std::string, std::uint32_t> contacts_;
-  std::map<std::string, int> num_sent_;
-  std::map<std::string, bool> waits_;
+  std::map<std::string, ToolStatus> last_;  // of each tool
+  std::uint32_t last_command_ = 0;
   ros::Subscriber points_, wrenches_, statuses_;
 };
 
@@ -139,7 +144,7 @@ TEST_F(WarmHandTest, DrawsAHandleSlowlyAndWithJerks) {
     drag(foot + Vec3(0.0, 0.0, top * i / kParts), 0.0);
     takeSteps();
   }
-  waitForHand();
+  ASSERT_NO_FATAL_FAILURE(waitForHand());
   EXPECT_EQ(contacts_.count(kWarmth), 0u);
 
   // It is bent over, at once and with jerks, by eye: turned, then pulled along its axis, eight times.
@@ -157,11 +162,11 @@ TEST_F(WarmHandTest, DrawsAHandleSlowlyAndWithJerks) {
     at += makeTurn(turns[i]) * Vec3(0.0, 0.0, lengths[i]);
     drag(at, turns[i]);
   }
-  waitForHand();
+  ASSERT_NO_FATAL_FAILURE(waitForHand());
 
   // And down onto the sheet above the anvil.
   drag(Vec3(kAnvil, 0.0, 0.15), 180.0);
-  waitForHand();
+  ASSERT_NO_FATAL_FAILURE(waitForHand());
   rest();
   const model::ParticleTopology held = measure();
   EXPECT_EQ(held.components, 1);
@@ -170,7 +175,7 @@ TEST_F(WarmHandTest, DrawsAHandleSlowlyAndWithJerks) {
   EXPECT_EQ(held.isolated, 0);
 
   // It stays when the hand is gone.
-  choose("Delete");
+  choose("Delete", Tool::DELETE);
   ASSERT_TRUE(waitUntil([&] { return rviz_.markers.count(kHand) == 0; }));
   rest();
   EXPECT_TRUE(waitUntil([&] { return contacts_.count(kHand) == 0; }));
