@@ -79,7 +79,7 @@ void ContactDamping::addRowBounds(double time, const model::State& state, std::v
   for (std::size_t b = 0; b < contact_.all().size(); ++b) {
     if (!contact_.isDamped(contact_.all()[b].tool)) continue;
     contact_.listNear(b, time, state, near_);
-    for (const Index i : near_) damping[i] += coefficient(contact_.points().dampedMassOn(i));
+    for (const Index i : near_) damping[i] += coefficient(contact_.points().dampedShare() * contact_.points().massOf(i));
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace deformable_surface::test {
@@ -62,6 +63,38 @@ TEST(ContactPoints, StiffnessActsThroughTheWeightsAndItsRowBoundHolds) {
     sum += bound[i];
   }
   EXPECT_GT(sum, 2.9);
+}
+
+// Damping of all points in one direction, over that of the simulation points by their masses: below the share for any motion, and
+// nearly as large for some.
+TEST(ContactPoints, TheDampedShareBoundsAllMotions) {
+  const Sheet sheet;
+  const Index n = sheet.points.numSimulated();
+  const double share = sheet.points.dampedShare();
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  Points motion;
+  for (Index i = 0; i < n; ++i) motion.emplace_back(u(random), 0.0, 0.0);
+  double ratio = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    double damped = 0.0, whole = 0.0;
+    Points forces(n, Vec3::Zero());
+    for (Index p = 0; p < sheet.points.size(); ++p) {
+      const Vec3 along(sheet.points.findVelocity(p, motion).x(), 0.0, 0.0);
+      damped += sheet.points.dampedMassOf(p) * along.squaredNorm();
+      if (sheet.points.isBetween(p))
+        sheet.points.between()->visitWeights(p - n,
+                                             [&](Index i, double w) { forces[i] += w * sheet.points.dampedMassOf(p) * along; });
+      else
+        forces[p] += sheet.points.dampedMassOf(p) * along;
+    }
+    for (Index i = 0; i < n; ++i) whole += sheet.masses[i] * motion[i].squaredNorm();
+    ratio = damped / whole;
+    ASSERT_LE(ratio, share * (1.0 + 1e-9));
+    for (Index i = 0; i < n; ++i) motion[i] = forces[i] / (sheet.masses[i] * std::sqrt(whole));
+  }
+  EXPECT_GT(ratio, 0.95 * share);
+  EXPECT_LT(share, 1.9);
 }
 
 TEST(ContactPoints, APointIsHeldOnlyIfAllThatItFollowsIs) {

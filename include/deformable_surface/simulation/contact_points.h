@@ -55,8 +55,9 @@ class ContactPoints {
   double ownMassOf(Index p) const;
   double dampedMassOf(Index p) const { return isBetween(p) ? damped_mass_[p - numSimulated()] : masses_[p]; }  // kg
   double totalMass() const;  // kg, of the surface
-  /// kg: bound of the row sum of the masses for damping over all points that act on simulation point i.
-  double dampedMassOn(Index i) const { return masses_[i] + (between_ ? damped_mass_on_[i] : 0.0); }
+  /// Bound of v . D v / v . M v, with M of the masses and D of the masses for damping of all points, over motions v along one
+  /// direction: of D whichever points are damped, and in whichever directions. Found when first asked for.
+  double dampedShare() const;
   /// Whether all simulation points that the point follows are held. held (m).
   bool isHeld(Index p, const std::vector<char>& held) const;
 
@@ -85,12 +86,13 @@ class ContactPoints {
  private:
   void numberPart(const ContactPoints& whole, const std::vector<Index>& new_index);
   double sumOfWeights(Index s) const;
+  double findDampedShare() const;
 
   const std::vector<double>& masses_;
   std::shared_ptr<const transfer::SampledPoints> between_;
-  std::vector<double> damped_mass_;     // (points between) kg
-  std::vector<double> damped_mass_on_;  // (m) kg, from damped_mass_ alone
-  std::vector<Index> sharing_;          // (m) points that share the area of a cell; empty: each has one
+  std::vector<double> damped_mass_;    // (points between) kg
+  mutable double damped_share_ = 0.0;  // 0: not found yet
+  std::vector<Index> sharing_;         // (m) points that share the area of a cell; empty: each has one
   Areas areas_;
   std::vector<char> is_severed_;  // (points between), or empty
   std::shared_ptr<const transfer::SampledPoints> taken_from_;
