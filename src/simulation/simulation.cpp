@@ -28,6 +28,7 @@ constexpr double kHaltedShare = 0.5;  // of the sub-steps of a step: from here o
 // Sub-steps between two looks for parts that pass through each other. A look takes about as long as twelve of them, a step
 // besides its sub-steps as long as some, an implicit one as thirty or more.
 constexpr Index kSubstepsPerLook = 400, kOfStep = 4, kOfImplicitStep = 30;
+constexpr Index kFewestPassed = 8;     // triangles: fewer crumple, as where one point is pulled
 constexpr double kThickContact = 1.5;  // spacings: at two a run took four times as long as at a half
 
 // Refuses lengths in millimetres for metres, for example. Warns of a thickness that makes steps slow.
@@ -251,7 +252,7 @@ std::string Simulation::Impl::tellPassage(const EstimatedDynamics::Outcome& take
   substeps_since_look = 0;
   const bool is_surface = dynamics().kind().traits().is_surface;
   const auto found = passages->look(dynamics().state().positions, is_surface ? &trianglesOf(dynamics().model()) : nullptr);
-  if (!found) return {};
+  if (!found || found->triangles < kFewestPassed) return {};
   is_passage_told = true;
   return "parts of the surface have come to pass through each other (" +
          count(found->triangles, "of its triangles are crossed by others, one of them near ") + formatPlace(found->place) +
