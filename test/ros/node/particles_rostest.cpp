@@ -100,6 +100,7 @@ TEST_F(ParticlesTest, AScalpelCutsWhileTheNodeRuns) {
   tools.publish(array);
   ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1));
   ASSERT_TRUE(client.step(45).success) << process.output();
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 0));  // else the next wait would end with the report of the first one
 
   array.tools.resize(2);
   array.tools[0].action = Tool::DELETE;
@@ -111,7 +112,7 @@ TEST_F(ParticlesTest, AScalpelCutsWhileTheNodeRuns) {
   hand.pose.position.x = 0.11;
   hand.twist.linear.x = 0.2;
   tools.publish(array);
-  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1));
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 2));
   ASSERT_TRUE(client.step(50).success) << process.output();
   const sensor_msgs::PointCloud2ConstPtr after = client.waitForFrame(stampAfter(95));
   ASSERT_TRUE(after) << process.output();
