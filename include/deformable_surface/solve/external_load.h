@@ -46,7 +46,8 @@ class ExternalLoad {
   virtual void addSkewProduct(double /*time*/, const model::State& /*state*/, const Points& /*v*/, Points& /*product*/) const {}
   virtual bool hasSkewStiffness() const { return false; }
 
-  /// Adds upper bounds of the row sums of the derivatives with respect to position (N/m) and velocity (N s/m).
+  /// Adds diagonals that bound the derivatives with respect to position (N/m) and velocity (N s/m): upper bounds of their row
+  /// sums, or others whose difference from the derivative is positive semidefinite.
   virtual void addRowBounds(double /*time*/, const model::State& /*state*/, std::vector<double>& /*stiffness*/,
                             std::vector<double>& /*damping*/) const {}
 };
