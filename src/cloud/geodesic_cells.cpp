@@ -156,8 +156,9 @@ std::vector<double> findDistances(const Points& positions, const Lists& neighbor
     if (neighbors.count(i) > 0)
       spacing += (positions[*neighbors.begin(i)] - positions[i]).norm() / static_cast<double>(chosen.size());
   }
-  // About the size of cells.
-  double horizon = spacing * std::sqrt(static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, chosen.size())));
+  // About a quarter of the size of cells: with a far horizon many lengths are passed on before they are final.
+  double horizon =
+      0.25 * spacing * std::sqrt(static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, chosen.size())));
   std::atomic<bool> any_beyond{!chosen.empty()};
   for (; any_beyond; horizon = horizon > 0.0 ? 2.0 * horizon : std::numeric_limits<double>::infinity()) {
     std::atomic<bool> any_changed{true};

@@ -25,8 +25,10 @@ constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
 // stiffness grows as they get thinner.
 constexpr double kInnerGap = 3.02;
 const double kWidestCosine = std::cos(kInnerGap);
-// Neighbours that contain the members of nearly every star.
-constexpr Index kFirst = 16;
+// Neighbours that contain the members of most stars.
+constexpr Index kFirst = 12;
+// Of each neighbour: neighbours that contain the members of nearly every star.
+constexpr Index kFirstOfNeighbor = 16;
 // Of the longest link: up to about two spacings of an even sampling.
 constexpr double kNear = 0.375;
 // Of a circle's diameter: a point farther than this from a point on the circle is outside by more than the tie tolerance.
@@ -57,7 +59,7 @@ void appendNeighborsOfNeighbors(const Points& positions, const Lists& neighbors,
   known.clear();
   known.add(i);
   for (const Index j : list) known.add(j);
-  const auto firstEnd = [&](Index j) { return neighbors.begin(j) + std::min(kFirst, neighbors.count(j)); };
+  const auto firstEnd = [&](Index j) { return neighbors.begin(j) + std::min(kFirstOfNeighbor, neighbors.count(j)); };
   for (const Index* j = neighbors.begin(i); j != firstEnd(i); ++j)
     for (const Index* k = neighbors.begin(*j); k != firstEnd(*j); ++k) {
       if (known.find(*k) >= 0) continue;
@@ -91,21 +93,26 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
         }
         return &builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : kInnerGap);
       };
-      // Of the others only those are needed that may belong to the star of the first. The circles of the star that has them, too,
-      // lie within the circles of the first.
-      Index *const first = list.data() + std::min(kFirst, neighbors.count(i)), *const last = list.data() + list.size();
-      const geometry::DelaunayStar* star = add(list.data(), first);
+      // The others are needed only if one of them may belong to the star of the first. The circles of the star that has them,
+      // too, lie within the circles of the first.
+      Index* rest = list.data() + std::min(kFirst, neighbors.count(i));
+      Index* const last = list.data() + list.size();
+      const geometry::DelaunayStar* star = add(list.data(), rest);
       const double reach = findSquaredReach(projected, *star);
-      const auto isBeyond = [&](Index j) {
+      const auto isNear = [&](Index j) {
         const Vec3 link = positions[j] - positions[i];
         const double height = link.dot(normals[i]);
-        return link.squaredNorm() - height * height > reach;
+        return !(link.squaredNorm() - height * height > reach);
       };
-      Index* const beyond = std::partition(first, last, [&](Index j) { return !isBeyond(j); });
-      if (beyond != first) {
-        star = add(first, beyond);
-        std::copy_if(beyond, last, std::back_inserter(linked), [&](Index j) { return rule.accepts(i, j); });
+      const auto mayChange = [&](Index j) {
+        return rule.accepts(i, j) && (star->open || !geometry::isOutside(plane.project(positions[j]), projected, *star));
+      };
+      Index* const beyond = std::partition(rest, last, isNear);
+      if (std::any_of(rest, beyond, mayChange)) {
+        star = add(rest, beyond);
+        rest = beyond;
       }
+      std::copy_if(rest, last, std::back_inserter(linked), [&](Index j) { return rule.accepts(i, j); });
       visit(i, linked, *star);
     }
   });

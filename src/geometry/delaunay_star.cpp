@@ -29,15 +29,23 @@ DEFORMABLE_SURFACE_WIDE void countLess(Index m, Index filled, const double* angl
   }
 }
 
-// True if the angles at a and c of the quadrilateral a b c d (counter-clockwise) sum to at least a straight angle less tie: the
-// corners lie on one circle, or miss it by that. Sine and cosine of the sum are those of a product of complex numbers.
-bool isCocircular(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double tie) {
+// Sine and cosine of the sum of the angles at a and c of the quadrilateral a b c d (counter-clockwise), times the lengths of its
+// sides: those of a product of complex numbers. Corners on one circle have a straight angle as sum.
+struct AngleSum {
+  double sine, cosine;
+};
+AngleSum addOppositeAngles(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const Vec2 ab = b - a, ad = d - a, cd = d - c, cb = b - c;
   const double sin_a = cross(ab, ad), cos_a = ab.dot(ad);
   const double sin_c = cross(cd, cb), cos_c = cd.dot(cb);
-  const double sine = sin_a * cos_c + cos_a * sin_c;
-  const double cosine = cos_a * cos_c - sin_a * sin_c;
-  return cosine < 0.0 && sine <= -tie * cosine;
+  return {sin_a * cos_c + cos_a * sin_c, cos_a * cos_c - sin_a * sin_c};
+}
+
+// True if the corners of the quadrilateral a b c d (counter-clockwise) lie on one circle: the angles at a and c sum to at least a
+// straight angle less tie.
+bool isCocircular(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double tie) {
+  const AngleSum sum = addOppositeAngles(a, b, c, d);
+  return sum.cosine < 0.0 && sum.sine <= -tie * sum.cosine;
 }
 
 // True if the angle from a to b, counter-clockwise, is at most the one with this cosine (and so less than straight).
@@ -46,6 +54,16 @@ bool spansTriangle(const Vec2& a, const Vec2& b, double max_gap_cosine) {
 }
 
 }  // namespace
+
+bool isOutside(const Vec2& point, const std::vector<Vec2>& points, const DelaunayStar& star, double tie) {
+  for (std::size_t r = 0; r < star.ring.size(); ++r) {
+    const Vec2 &a = points[star.ring[r]], &b = points[star.ring[r + 1 < star.ring.size() ? r + 1 : 0]];
+    if (cross(a, point) < 0.0 || cross(point, b) < 0.0) continue;
+    const AngleSum sum = addOppositeAngles(Vec2::Zero(), a, point, b);
+    return sum.sine > 0.0 && sum.sine > -tie * sum.cosine;
+  }
+  return false;
+}
 
 void DelaunayStarBuilder::sortByDirection(const std::vector<Vec2>& points) {
   unsorted_.clear();

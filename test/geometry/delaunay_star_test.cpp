@@ -230,5 +230,41 @@ TEST(DelaunayStar, NeighborsThatAreNotFiniteAreIgnored) {
   EXPECT_EQ(star.ring, (std::vector<Index>{1, 3}));
 }
 
+TEST(DelaunayStar, APointOutsideLeavesItAsItIs) {
+  std::mt19937 random(5);
+  DelaunayStarBuilder builder;
+  int num_outside = 0, num_changes = 0;
+  for (int cloud = 0; cloud < 500; ++cloud) {
+    std::vector<Vec2> points = makeRandomNeighbors(12, Vec2::Zero(), random);
+    const DelaunayStar star = builder.build(points);
+    if (star.open) continue;
+    const Vec2 more = makeRandomNeighbors(1, Vec2::Zero(), random)[0];
+    const bool is_outside = isOutside(more, points, star);
+    points.push_back(more);
+    const DelaunayStar& with_more = builder.build(points);
+    if (is_outside) {
+      ASSERT_EQ(star.ring, with_more.ring) << "cloud " << cloud;
+      ASSERT_EQ(star.cell_size, with_more.cell_size);
+      ASSERT_EQ(star.area, with_more.area);
+    }
+    num_outside += is_outside;
+    num_changes += star.ring != with_more.ring;
+  }
+  EXPECT_GT(num_outside, 20);
+  EXPECT_GT(num_changes, 20);
+}
+
+TEST(DelaunayStar, APointOnTheCircleIsNotOutside) {
+  const std::vector<Vec2> points{{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
+  DelaunayStarBuilder builder;
+  const DelaunayStar& star = builder.build(points);
+  ASSERT_FALSE(star.open);
+  EXPECT_FALSE(isOutside({1.0, 1.0}, points, star));      // completes a square
+  EXPECT_FALSE(isOutside({1.001, 1.001}, points, star));  // within the tie
+  EXPECT_FALSE(isOutside({0.4, 0.4}, points, star));
+  EXPECT_TRUE(isOutside({1.2, 1.2}, points, star));
+  EXPECT_TRUE(isOutside({1.5, 0.0}, points, star));  // behind a member
+}
+
 }  // namespace
 }  // namespace deformable_surface::geometry

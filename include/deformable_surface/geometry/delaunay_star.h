@@ -27,6 +27,10 @@ struct DelaunayStar {
   double share = 0.0;  // m^2, this point's part: each cell's area divided by its number of corners
 };
 
+/// Whether a further point leaves a closed star as it is: it lies outside the circle of the triangle in whose direction it is, by
+/// more than the tie (rad) of build(). points: those of build().
+bool isOutside(const Vec2& point, const std::vector<Vec2>& points, const DelaunayStar& star, double tie = kStarTie);
+
 /// Reusable scratch memory of the computation.
 class DelaunayStarBuilder {
  public:
