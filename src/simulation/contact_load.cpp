@@ -42,7 +42,6 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
   return !is_flat || between.height(cell) > kFlat * between.radius(cell);
 }
 
-constexpr double kAhead = 30.0;    // time over 1 / rate, in which a portion of sub-steps passes (solve/time_march.cpp)
 constexpr double kDeeper = 0.01;   // of the radius of a cell: less is not deeper
 constexpr double kInstant = 1e-9;  // of a step: paths may bend where it ends
 constexpr double kSettled = 0.01;  // of the largest growth: smaller changes need no new equilibrium
@@ -69,6 +68,7 @@ void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
       if (!tool::isPushing(before.tool) || !tool::isPushing(tool) || !geometry::isSame(before.tool.shape, tool.shape)) continue;
       body.arrival = before.arrival;
       body.pressed = before.pressed;
+      body.through = before.through;
       body.tool.path = findArrivingPath(tool.path, body.arrival);
     }
     bodies.push_back(std::move(body));
@@ -407,14 +407,24 @@ void ContactLoad::addStiffness(double time, const model::State& state, double, B
   }
 }
 
-void ContactLoad::listNear(std::size_t b, double time, const model::State& state, std::vector<Index>& near) const {
+bool ContactLoad::mayBeDamped(double time, double within, const model::State& state) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!isDamped(bodies_[b].tool)) continue;
+    if (!findTouches(b, time, state).empty()) return true;
+    listNear(b, time, within, state, near_points_);
+    if (!near_points_.empty()) return true;
+  }
+  return false;
+}
+
+void ContactLoad::listNear(std::size_t b, double time, double within, const model::State& state, std::vector<Index>& near) const {
   near.clear();
   near.reserve(state.size());
   const ToolParams& tool = bodies_[b].tool;
   if (!bodies_[b].acts.value_or(tool::isActive(tool, time))) return;
-  const double ahead = rate_ > 0.0 ? kAhead / rate_ : 0.0, radius = kBallMargin * findRadius(tool.shape);
+  const double radius = kBallMargin * findRadius(tool.shape);
   const tool::Pose pose = tool::interpolate(tool.path, time);
-  const tool::Motion now = tool::findMotion(tool.path, time), later = tool::findMotion(tool.path, time + ahead);
+  const tool::Motion now = tool::findMotion(tool.path, time), later = tool::findMotion(tool.path, time + within);
   const transfer::SampledPoints* const between = tool::isPushing(tool) ? points_.between() : nullptr;
   // Points that a tool has passed over are pushed from afar.
   touched_.assign(state.size(), 0.0);
@@ -427,7 +437,7 @@ void ContactLoad::listNear(std::size_t b, double time, const model::State& state
     }
     const Vec3 &x = state.positions[i], &v = state.velocities[i];
     const double way =
-        ahead * std::sqrt(std::max((v - now.velocityAt(x)).squaredNorm(), (v - later.velocityAt(x)).squaredNorm()));
+        within * std::sqrt(std::max((v - now.velocityAt(x)).squaredNorm(), (v - later.velocityAt(x)).squaredNorm()));
     const double of_cell = between && mayTouchBetween(tool.shape, *between, i) ? kMostStretch * between->radius(i) : 0.0;
     const double reach = way + (tool::isPushing(tool) ? of_cell : tool.reach);
     if ((x - pose.position).norm() > radius + reach) continue;

@@ -32,6 +32,12 @@ bool System::dissipatesInForces() const {
          std::any_of(loads_.begin(), loads_.end(), [](const ExternalLoad* load) { return !load->isConservative(); });
 }
 
+bool System::mayDissipateInForces(double time, double within, const State& state) const {
+  return model_.forcesReadVelocities() || std::any_of(loads_.begin(), loads_.end(), [&](const ExternalLoad* load) {
+           return load->mayDissipate(time, within, state);
+         });
+}
+
 void System::computeForces(double time, const State& state, Points& forces) const {
   endIfInterrupted();
   clear(state.size(), forces);

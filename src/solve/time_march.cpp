@@ -355,7 +355,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
   const bool bold = memory_.cautious == 0 && has_substeps;
   // Where forces dissipate by an unknown amount, as friction does, the account of energy does not show resonances.
-  most_inner_ = bold && memory_.cautious_slow == 0 && !system_.dissipatesInForces() ? kMostInner : 1;
+  const bool is_accounted = !system_.mayDissipateInForces(time, params_.time_step, state);
+  most_inner_ = bold && memory_.cautious_slow == 0 && is_accounted ? kMostInner : 1;
   report = advance(time, bold ? kBold : 1.0, state);
   bool sound = isSound(time, report, state);
   if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {

@@ -224,16 +224,38 @@ TEST(ContactLoad, AToolThatComesUpUnderARestingSheetIsNotTakenForABlowUp) {
   EXPECT_GT(s.statistics().max_speed, 0.01);
 }
 
-TEST(ContactLoad, AToolFarAwayChangesTheStepsLittleAndTheMotionNotAtAll) {
-  simulation::SceneParams p = hangingSheet();
-  p.integrator.type = solve::IntegratorType::kSymplecticEuler;
-  p.integrator.time_step = 1e-4;  // one sub-step with and without
-  simulation::Simulation without(p, sheetCloud());
-  p.tools = {ball(0.25, Vec3(5.0, 5.0, 0.0), Vec3(5.0, 5.0, 0.0))};
-  simulation::Simulation with(p, sheetCloud());
-  run(without, 20);
-  run(with, 20);
-  EXPECT_EQ(with.stateHash(), without.stateHash());
+TEST(ContactLoad, AToolFarAwayChangesNothing) {
+  for (const solve::IntegratorType type : {solve::IntegratorType::kSymplecticEuler, solve::IntegratorType::kVerlet}) {
+    simulation::SceneParams p = hangingSheet();
+    p.integrator.type = type;
+    if (type == solve::IntegratorType::kSymplecticEuler) p.integrator.time_step = 1e-4;
+    simulation::Simulation without(p, sheetCloud());
+    p.tools = {ball(0.25, Vec3(5.0, 5.0, 0.0), Vec3(5.0, 5.0, 0.0))};
+    p.tools[0].friction = 0.5;
+    simulation::Simulation with(p, sheetCloud());
+    run(without, 20);
+    run(with, 20);
+    EXPECT_EQ(with.stateHash(), without.stateHash()) << static_cast<int>(type);
+  }
+}
+
+TEST(ContactLoad, OnlyToolsThatComeNearMayDampTheMotion) {
+  const std::vector<double> masses(1, 2.0);
+  model::State state;
+  state.positions = {Vec3(1.0, 0.0, 0.0)};
+  state.velocities = {Vec3(-2.0, 0.0, 0.0)};
+  const auto mayBeDamped = [&](double friction, double within) {
+    tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3::Zero());
+    tool.friction = friction;
+    simulation::ContactLoad load(masses);
+    load.setTools({tool});
+    return load.mayBeDamped(0.0, within, state);
+  };
+  EXPECT_FALSE(mayBeDamped(0.3, 0.2));
+  EXPECT_TRUE(mayBeDamped(0.3, 0.3));  // it will be 0.1 m deep
+  EXPECT_FALSE(mayBeDamped(0.0, 0.3));
+  state.positions[0].x() = 0.4;
+  EXPECT_TRUE(mayBeDamped(0.3, 0.0));
 }
 
 TEST(ContactLoad, AttractionIsMinusTheGradientOfItsPotentialAndEndsAtItsReach) {

@@ -24,6 +24,9 @@ class ContactDamping : public solve::ExternalLoad {
   /// Whether contact is damped with no tool.
   bool isEmpty() const { return !contact_.hasDamped(); }
   void addForces(double time, const model::State& state, Points& forces) const override;
+  bool mayDissipate(double time, double within, const model::State& state) const override {
+    return contact_.mayBeDamped(time, within, state);
+  }
   /// Dissipative, except where a tool moves along n with speed V: its power is then at most c V^2 / 4.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   double drivingPower(double time, double step, const model::State& state) const override;

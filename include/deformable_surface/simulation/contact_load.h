@@ -9,6 +9,7 @@
 #include "deformable_surface/tool/tool.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -107,6 +108,13 @@ class ContactLoad : public solve::ExternalLoad {
 
     double growthAt(double time) const { return growth - withdrawal.at(time); }
   };
+  /// How often each of a tool's axis points has gone through an open surface and has not come back; against the normals negative.
+  struct Through {
+    std::array<int, 3> crossings{};
+    double since = 0.0;  // s
+
+    bool isAny() const { return crossings != std::array<int, 3>{}; }
+  };
   /// A tool, its path with the arrival, and the points that it has passed over and the pressed ones, ascending.
   /// Must be in a snapshot.
   struct Body {
@@ -115,6 +123,7 @@ class ContactLoad : public solve::ExternalLoad {
     Arrival arrival;
     std::optional<bool> acts;  // during the whole of the begun step; none: before the first
     std::vector<Pressed> pressed{};
+    Through through{};
   };
   const std::vector<Body>& all() const { return bodies_; }
   /// Copies all(), with room for every point: a later copy to the same place allocates nothing, however many points are passed
@@ -202,7 +211,11 @@ class ContactLoad : public solve::ExternalLoad {
   /// The simulation points that carry a touch of a tool, or may do so, themselves or for points of their cells, before bounds are
   /// asked for again. Not all, because damping by tools that are far would shorten the stable step. Ascending; near is
   /// overwritten.
-  void listNear(std::size_t body, double time, const model::State& state, std::vector<Index>& near) const;
+  void listNear(std::size_t body, double time, const model::State& state, std::vector<Index>& near) const {
+    listNear(body, time, rate_ > 0.0 ? kAhead / rate_ : 0.0, state, near);
+  }
+  /// Whether points may touch a damped tool within a time (s) at their present velocities.
+  bool mayBeDamped(double time, double within, const model::State& state) const;
   /// Passed points that have come out over an edge are no longer pushed back. Otherwise a point that returned there would be as
   /// deep as it has gone outside.
   void remember(double time, double step, model::State& state) const override;
@@ -250,6 +263,7 @@ class ContactLoad : public solve::ExternalLoad {
   void addSeconds(double seconds) const { seconds_ += seconds; }
 
  private:
+  static constexpr double kAhead = 30.0;  // time over 1 / rate, in which a portion of sub-steps passes (solve/time_march.cpp)
   void reserve(std::vector<Body>& bodies) const {
     for (Body& body : bodies) {
       body.passed.reserve(points_.numSimulated());
@@ -287,6 +301,7 @@ class ContactLoad : public solve::ExternalLoad {
     for (Touches& touches : touches_) touches.are_known = false;
   }
   void listTouches(std::size_t b, double time, const model::State& state, std::vector<Touch>& touches) const;
+  void listNear(std::size_t body, double time, double within, const model::State& state, std::vector<Index>& near) const;
   double totalMass() const;
 
   ContactPoints points_;

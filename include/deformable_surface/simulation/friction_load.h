@@ -20,6 +20,9 @@ class FrictionLoad : public solve::ExternalLoad {
 
   bool isEmpty() const { return !contact_.hasFriction(); }
   void addForces(double time, const model::State& state, Points& forces) const override;
+  bool mayDissipate(double time, double within, const model::State& state) const override {
+    return contact_.mayBeDamped(time, within, state);
+  }
   /// Dissipative, except where a tool's own motion drags points along, at most friction times the tool's path, and where springs
   /// return stored energy.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;

@@ -18,6 +18,9 @@ class ExternalLoad {
   /// Potential of the load, J, where it has one (its forces are minus the gradient). Meaningless if !isConservative().
   virtual double potential(double /*time*/, const model::State& /*state*/) const { return 0.0; }
   virtual bool isConservative() const { return false; }
+  /// Whether the load may take energy out of the motion within a time (s) from a state on. A load that acts only near the points
+  /// may say no where it is far.
+  virtual bool mayDissipate(double /*time*/, double /*within*/, const model::State& /*state*/) const { return !isConservative(); }
   /// Power of what moves the load itself, as tools move, W: how fast its potential grows at fixed positions, or, without a
   /// potential, its forces times the tools' velocities where they act. step: s, over which time has come here.
   virtual double drivingPower(double /*time*/, double /*step*/, const model::State& /*state*/) const { return 0.0; }

@@ -43,6 +43,8 @@ class System {
   Breaking* breaking() const { return breaking_; }
   /// True if anything but the damping by mass may dissipate energy: the material's viscosity, loads without a potential.
   bool dissipatesInForces() const;
+  /// The same within a time (s) from a state on: without loads that are too far to act.
+  bool mayDissipateInForces(double time, double within, const State& state) const;
   /// The same, damping by mass included.
   bool dissipates() const { return damping_ > 0.0 || rotationalDamping() > 0.0 || dissipatesInForces(); }
 
