@@ -3,6 +3,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/params.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,6 +17,10 @@ constexpr Index kLeaf = 4;            // triangles: fewer cost more boxes than t
 constexpr int kMaxDepth = 64;         // of the tree, which is halved on every level
 constexpr double kFlat = 1e-10;       // height over longest edge of a triangle whose normal would be rounding
 constexpr double kOnSurface = 1e-12;  // of the extent: rounding of the nearest point
+// Points of the axis.
+constexpr double kLonger = 1.1;  // length over width: corners of a ball of triangles make it a little longer than wide
+constexpr double kFirstWay = 1.0 / (1 << 20);  // of the extent, inwards: shorter than walls are thick
+constexpr int kWays = 32;                      // places on the way inwards
 
 double squaredDistanceToBox(const Vec3& low, const Vec3& high, const Vec3& p) {
   return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
@@ -50,6 +55,7 @@ Polyhedron::Polyhedron(const Points& vertices, const std::vector<Triangle>& tria
   for (Index t : order) sorted.push_back(triangles_[t]);
   triangles_ = std::move(sorted);
   findNormals();
+  findAxisPoints();
 }
 
 void Polyhedron::mergeVertices(const Points& vertices, const std::vector<Triangle>& triangles) {
@@ -190,7 +196,7 @@ void Polyhedron::lookAt(Index triangle, const Vec3& p, Nearest& nearest) const {
   offer(p - normal.dot(ap) * normal, normal);
 }
 
-SignedDistance Polyhedron::findSignedDistance(const Vec3& p) const {
+Polyhedron::Nearest Polyhedron::findNearest(const Vec3& p) const {
   Nearest nearest{std::numeric_limits<double>::infinity(), Vec3::Zero(), Vec3::UnitZ()};
   struct Waiting {
     Index node;
@@ -210,10 +216,95 @@ SignedDistance Polyhedron::findSignedDistance(const Vec3& p) const {
     stack[size++] = right;
     stack[size++] = left;
   }
+  return nearest;
+}
+
+SignedDistance Polyhedron::findSignedDistance(const Vec3& p) const {
+  const Nearest nearest = findNearest(p);
   const Vec3 away = p - nearest.point;
   const double distance = std::sqrt(nearest.squared_distance), side = away.dot(nearest.pseudonormal) < 0.0 ? -1.0 : 1.0;
   if (distance > on_surface_) return {side * distance, side / distance * away};
   return {side * distance, nearest.pseudonormal.normalized()};
+}
+
+// Of the surface, by its area, in columns.
+Mat3 Polyhedron::findPrincipalAxes() const {
+  double area = 0.0;
+  Vec3 middle = Vec3::Zero();
+  for (const Triangle& t : triangles_) {
+    const double share = areaVector(t).norm();
+    area += share;
+    middle += share * (vertices_[t[0]] + vertices_[t[1]] + vertices_[t[2]]) / 3.0;
+  }
+  middle /= area;
+  Mat3 spread = Mat3::Zero();
+  const double size = (high() - low()).norm();
+  for (const Triangle& t : triangles_) {
+    Vec3 sum = Vec3::Zero();
+    Mat3 squares = Mat3::Zero();
+    for (const Index v : t) {
+      const Vec3 x = (vertices_[v] - middle) / size;
+      sum += x;
+      squares += x * x.transpose();
+    }
+    spread += areaVector(t).norm() / area * (squares + sum * sum.transpose());
+  }
+  return Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors();
+}
+
+// The deepest place on the way inwards from the nearest point of the surface, of the part of the body that begins there.
+Vec3 Polyhedron::moveInside(const Vec3& place) const {
+  const Nearest nearest = findNearest(place);
+  const Vec3 inwards = -nearest.pseudonormal.normalized();
+  const auto findDepth = [&](const Vec3& p) { return -findSignedDistance(p).distance; };
+  const auto goOn = [&](double way) -> Vec3 { return nearest.point + way * inwards; };
+
+  const double size = (high() - low()).norm();
+  double way = kFirstWay * size;
+  while (way < size && findDepth(goOn(2.0 * way)) > findDepth(goOn(way))) way *= 2.0;
+  Vec3 deepest = place;
+  double depth = findDepth(place);
+  for (int k = 1; k <= kWays; ++k) {
+    const Vec3 next = goOn(2.0 * way * k / kWays);
+    const double next_depth = findDepth(next);
+    if (!(next_depth > depth + on_surface_)) continue;
+    depth = next_depth;
+    deepest = next;
+  }
+  return deepest;
+}
+
+// In the smaller of the boxes along the frame and along the principal axes: its middle, and half its width from either end.
+void Polyhedron::findAxisPoints() {
+  const auto findExtents = [&](const Mat3& axes, Vec3& middle) -> Vec3 {
+    Vec3 least = axes.transpose() * vertices_.front(), most = least;
+    for (const Vec3& v : vertices_) {
+      const Vec3 along = axes.transpose() * v;
+      least = least.cwiseMin(along);
+      most = most.cwiseMax(along);
+    }
+    middle = axes * (0.5 * (least + most));
+    return most - least;
+  };
+  Mat3 axes = Mat3::Identity();
+  Vec3 middle, turned_middle;
+  Vec3 extents = findExtents(axes, middle);
+  const Mat3 turned_axes = findPrincipalAxes();
+  const Vec3 turned_extents = findExtents(turned_axes, turned_middle);
+  if (turned_extents.prod() < extents.prod()) {
+    axes = turned_axes;
+    middle = turned_middle;
+    extents = turned_extents;
+  }
+  Index longest;
+  const double length = extents.maxCoeff(&longest);
+  std::sort(extents.data(), extents.data() + 3);
+  const double width = extents[1];
+  axis_points_ = {moveInside(middle)};
+  if (!(length > kLonger * width)) return;
+  const Vec3 end = 0.5 * (length - width) * axes.col(longest);
+  axis_points_.push_back(moveInside(middle + end));
+  axis_points_.push_back(moveInside(middle - end));
 }
 
 double Polyhedron::boundDistance(const Vec3& point) const { return std::sqrt(squaredDistanceToBox(low(), high(), point)); }

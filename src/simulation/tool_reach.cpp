@@ -31,6 +31,12 @@ double findWidth(const geometry::Solid& shape) {
 
 AxisPoints listAxisPoints(const geometry::Solid& shape) {
   using Kind = geometry::Solid::Kind;
+  if (shape.kind == Kind::kMesh) {
+    const Points& places = shape.mesh->axisPoints();
+    AxisPoints axis{{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}, places.size()};
+    std::copy(places.begin(), places.end(), axis.places.begin());
+    return axis;
+  }
   Vec3 end = Vec3::Zero();
   if (shape.kind == Kind::kCylinder) end.z() = 0.5 * shape.height - shape.radius;
   if (shape.kind == Kind::kCone) end.z() = 0.25 * shape.height;

@@ -192,5 +192,64 @@ TEST(Polyhedron, FarPointsMayBeToldByTheirBoxAlone) {
   }
 }
 
+Mesh move(Mesh mesh, const Quaternion& turn, const Vec3& shift, double scale) {
+  for (Vec3& v : mesh.vertices) v = scale * (turn * v + shift);
+  return mesh;
+}
+
+TEST(Polyhedron, AxisPointsOfAForkAreInItsArms) {
+  const double thickness = 0.01;
+  const Mesh mesh = makeForkMesh(0.1, 0.2, thickness);
+  const Polyhedron fork(mesh.vertices, mesh.triangles);
+  ASSERT_EQ(fork.axisPoints().size(), 3u);
+  for (const Vec3& p : fork.axisPoints()) EXPECT_LT(fork.findSignedDistance(p).distance, -0.45 * thickness) << p.transpose();
+  EXPECT_GT(fork.findSignedDistance(Vec3::Zero()).distance, 0.0);
+  EXPECT_NEAR(std::abs(fork.axisPoints()[0].x()), 0.045, 0.001);
+}
+
+TEST(Polyhedron, AxisPointsLieInANeedleWhoseOriginIsFarAndThatIsObliqueToItsFrame) {
+  const double length = 0.15, radius = 0.0015;
+  const Mesh mesh = makeCylinderMesh(radius, length, 12);
+  const Quaternion oblique = Quaternion::FromTwoVectors(Vec3::UnitZ(), Vec3(1.0, 0.0, 1.0));
+  const double end = 0.5 * length - radius;
+  for (const Quaternion& turn : {Quaternion(Quaternion::Identity()), oblique})
+    for (double scale : {1e-6, 1.0, 1e3}) {
+      const Vec3 shift(0.3, 0.2, -0.4);
+      const Mesh moved = move(mesh, turn, shift, scale);
+      const Polyhedron needle(moved.vertices, moved.triangles);
+      ASSERT_EQ(needle.axisPoints().size(), 3u);
+      double along[3];
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 p = turn.conjugate() * (needle.axisPoints()[k] / scale - shift);
+        EXPECT_LT(p.head<2>().norm(), 0.1 * radius);
+        along[k] = p.z();
+      }
+      EXPECT_NEAR(along[0], 0.0, radius);
+      EXPECT_NEAR(std::abs(along[1]), end, radius);
+      EXPECT_NEAR(along[2], -along[1], radius);
+    }
+}
+
+TEST(Polyhedron, ABallOrCubeHasOneAxisPoint) {
+  for (const Mesh& mesh : {makeSphereMesh(0.7, 2), makeBoxMesh(Vec3(1.0, 1.0, 1.0))}) {
+    const Mesh moved = move(mesh, Quaternion::Identity(), Vec3(2.0, 3.0, 4.0), 1.0);
+    const Polyhedron solid(moved.vertices, moved.triangles);
+    ASSERT_EQ(solid.axisPoints().size(), 1u);
+    EXPECT_LT((solid.axisPoints()[0] - Vec3(2.0, 3.0, 4.0)).norm(), 0.05);
+  }
+}
+
+TEST(Polyhedron, AxisPointsLieInWedgesThatAreSharpOrThin) {
+  // A long wedge whose edge is turned to every side, and a plate bent to a channel with walls of a thousandth of its width.
+  for (const Mesh& mesh :
+       {makePrismMesh({{0.0, 0.0}, {1.0, -0.01}, {1.0, 0.01}}, {{0, 1, 2}}, 0.3), makeForkMesh(1.0, 2.0, 1e-3)})
+    for (double angle : {0.0, 0.3, 1.0, 2.0}) {
+      const Quaternion turn(Eigen::AngleAxisd(angle, Vec3(1.0, 2.0, 3.0).normalized()));
+      const Mesh moved = move(mesh, turn, Vec3(1.0, 1.0, 1.0), 1.0);
+      const Polyhedron solid(moved.vertices, moved.triangles);
+      for (const Vec3& p : solid.axisPoints()) EXPECT_LT(solid.findSignedDistance(p).distance, -1e-5) << angle;
+    }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

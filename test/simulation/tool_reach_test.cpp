@@ -1,5 +1,7 @@
-// The bounding ball of a tool, and the points within its reach.
+// The bounding ball of a tool, the points within its reach, and points of its axis.
 #include "../../src/simulation/tool_reach.h"
+
+#include "support/meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -33,6 +35,31 @@ TEST(ToolReach, EndsWhereTheToolDoesAndWhileItDoesNotAct) {
   ball.reach = 0.5;
   EXPECT_TRUE(isInReach(ball, 1.5, {Vec3(1.55, 0.0, 0.0)}));
   EXPECT_FALSE(isInReach(ball, 1.5, {Vec3(1.65, 0.0, 0.0)}));
+}
+
+void expectNearlyTheSame(const geometry::Solid& shape, const test::Mesh& mesh, double tolerance) {
+  geometry::Solid of_triangles;
+  of_triangles.kind = geometry::Solid::Kind::kMesh;
+  ASSERT_EQ(geometry::setMesh(mesh.vertices, geometry::toRows(mesh.triangles), of_triangles), "");
+  const AxisPoints expected = listAxisPoints(shape), found = listAxisPoints(of_triangles);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_LT((found[k] - expected[k]).norm(), tolerance) << k;
+}
+
+TEST(ToolReach, AxisPointsOfAMeshAreThoseOfTheShapeThatItIs) {
+  geometry::Solid box;
+  box.kind = geometry::Solid::Kind::kBox;
+  for (const Vec3& size : {Vec3(0.6, 0.8, 2.4), Vec3(0.003, 0.15, 0.003), Vec3(0.3, 0.3, 0.02), Vec3(1.0, 1.0, 1.0)}) {
+    box.size = size;
+    expectNearlyTheSame(box, test::makeBoxMesh(size), 1e-9);
+  }
+  geometry::Solid cylinder;
+  cylinder.kind = geometry::Solid::Kind::kCylinder;
+  cylinder.radius = 0.01;
+  for (double height : {0.2, 0.02, 0.001}) {
+    cylinder.height = height;
+    expectNearlyTheSame(cylinder, test::makeCylinderMesh(0.01, height, 24), 0.001);
+  }
 }
 
 }  // namespace

@@ -69,4 +69,40 @@ inline Mesh makeNotchedMesh() {
   return mesh;
 }
 
+/// What is between two such profiles (m, counter-clockwise, filled by the triangles of the lid) at half a height above and below.
+inline Mesh makePrismMesh(const std::vector<Vec2>& profile, const std::vector<geometry::Polyhedron::Triangle>& lid,
+                          double height) {
+  Mesh mesh;
+  for (double z : {-0.5 * height, 0.5 * height})
+    for (const Vec2& p : profile) mesh.vertices.emplace_back(p.x(), p.y(), z);
+  const Index n = static_cast<Index>(profile.size());
+  for (const auto& t : lid) {
+    mesh.triangles.push_back({t[0], t[2], t[1]});
+    mesh.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+  }
+  for (Index k = 0; k < n; ++k) {
+    const Index next = (k + 1) % n;
+    mesh.triangles.push_back({k, next, k + n});
+    mesh.triangles.push_back({next, next + n, k + n});
+  }
+  return mesh;
+}
+
+inline Mesh makeCylinderMesh(double radius, double height, int corners) {
+  std::vector<Vec2> profile;
+  for (int k = 0; k < corners; ++k)
+    profile.emplace_back(radius * std::cos(2.0 * M_PI * k / corners), radius * std::sin(2.0 * M_PI * k / corners));
+  std::vector<geometry::Polyhedron::Triangle> lid;
+  for (Index k = 2; k < corners; ++k) lid.push_back({0, k - 1, k});
+  return makePrismMesh(profile, lid, height);
+}
+
+/// Two arms and what joins them, all of this thickness, m. The origin is between the arms.
+inline Mesh makeForkMesh(double width, double length, double thickness) {
+  const double x = 0.5 * width, y = 0.5 * length, inner = x - thickness;
+  return makePrismMesh(
+      {{-x, -y}, {x, -y}, {x, y}, {inner, y}, {inner, thickness - y}, {-inner, thickness - y}, {-inner, y}, {-x, y}},
+      {{0, 1, 4}, {0, 4, 5}, {1, 2, 3}, {1, 3, 4}, {0, 5, 6}, {0, 6, 7}}, thickness);
+}
+
 }  // namespace deformable_surface::test

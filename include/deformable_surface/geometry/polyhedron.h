@@ -36,6 +36,9 @@ class Polyhedron {
   const Vec3& high() const { return nodes_.front().high; }
   /// m, of the smallest ball about the origin that holds the bounding box.
   double radius() const { return low().cwiseAbs().cwiseMax(high().cwiseAbs()).norm(); }
+  /// Places in the body, m, that tell which way it has gone: one near its middle and, where it is longer than wide, one towards
+  /// either end. Found once, by O(n).
+  const Points& axisPoints() const { return axis_points_; }
 
  private:
   struct Node {
@@ -53,7 +56,11 @@ class Polyhedron {
   void findNormals();
   Index buildNode(std::vector<Index>& order, Index begin, Index end, const Points& centers);
   void lookAt(Index triangle, const Vec3& point, Nearest& nearest) const;
+  Nearest findNearest(const Vec3& point) const;
   Vec3 areaVector(const Triangle& t) const;
+  Mat3 findPrincipalAxes() const;
+  Vec3 moveInside(const Vec3& place) const;
+  void findAxisPoints();
 
   Points vertices_;
   std::vector<Triangle> triangles_;  // in the order of the leaves
@@ -64,6 +71,7 @@ class Polyhedron {
   Points face_normals_;                            // (triangles) unit
   std::vector<std::array<Vec3, 3>> edge_normals_;  // (triangles) of the edge from corner c to the next
   Points vertex_normals_;                          // (vertices)
+  Points axis_points_;                             // m
 };
 
 }  // namespace deformable_surface::geometry
