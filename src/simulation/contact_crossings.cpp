@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tool_passage.h"
 #include "tool_reach.h"
 
 namespace deformable_surface::simulation {
@@ -84,41 +85,6 @@ bool passes(const ContactLoad::Body& body) {
   return body.tool.mode == tool::Mode::kSolid && body.tool.shape.kind != geometry::Solid::Kind::kPlane && *body.acts;
 }
 
-// Whether a point went through a triangle, all with constant velocities.
-bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], const Vec3 (&after)[3]) {
-  const Vec3 across_before = (before[1] - before[0]).cross(before[2] - before[0]);
-  const Vec3 across_after = (after[1] - after[0]).cross(after[2] - after[0]);
-  const double side_before = across_before.dot(from - before[0]), side_after = across_after.dot(to - after[0]);
-  if (!((side_before < 0.0) != (side_after < 0.0))) return false;
-  const double height_before = side_before / across_before.norm(), height_after = side_after / across_after.norm();
-  const double share = height_before / (height_before - height_after);
-  const Vec3 at = from + share * (to - from);
-  Vec3 corner[3];
-  for (int c = 0; c < 3; ++c) corner[c] = before[c] + share * (after[c] - before[c]);
-  const Vec3 across = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-  for (int c = 0; c < 3; ++c)
-    if (!(across.dot((corner[(c + 1) % 3] - corner[c]).cross(at - corner[c])) >= 0.0)) return false;
-  return true;
-}
-
-// Whether a place is within a closed surface, by its winding number [Van Oosterom and Strackee 1983].
-bool isWithin(const Vec3& place, const std::vector<model::WeightedTriangle>& triangles, const Points& positions) {
-  if (triangles.empty()) return false;
-  Vec3 low = positions[0], high = positions[0];
-  for (const Vec3& p : positions) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  if ((place.array() < low.array()).any() || (place.array() > high.array()).any()) return false;
-  double number = 0.0;
-  for (const model::WeightedTriangle& t : triangles) {
-    const Vec3 a = positions[t.corner[0]] - place, b = positions[t.corner[1]] - place, c = positions[t.corner[2]] - place;
-    const double u = a.norm(), v = b.norm(), w = c.norm();
-    number += t.weight / (2.0 * kPi) * std::atan2(a.dot(b.cross(c)), u * v * w + w * a.dot(b) + u * b.dot(c) + v * c.dot(a));
-  }
-  return number > 0.5;
-}
-
 }  // namespace
 
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
@@ -140,6 +106,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     any = any || !body.passed.empty();
     if (!passes(body)) {
       body.passed.clear();
+      body.through = {};
       continue;
     }
     const Moments moments = listMoments(body.tool, time, step);
@@ -203,33 +170,19 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     }
     body.passed.swap(scratch_);
 
-    // A tool that passes between the points: a point of its axis goes through a triangle, or comes into a body.
     const AxisPoints axis = listAxisPoints(body.tool.shape);
-    const auto isPassed = [&](Index i) {
-      return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},
-                                [](const Passed& a, const Passed& b) { return a.point < b.point; });
-    };
-    const auto isPierced = [&](const model::WeightedTriangle& t) {
-      const Vec3 before[3] = {before_[t.corner[0]], before_[t.corner[1]], before_[t.corner[2]]};
-      const Vec3 after[3] = {state.positions[t.corner[0]], state.positions[t.corner[1]], state.positions[t.corner[2]]};
-      return std::any_of(axis.begin(), axis.end(),
-                         [&](const Vec3& p) { return wentThrough(toWorld(from, p), toWorld(to, p), before, after); }) &&
-             !isPassed(t.corner[0]) && !isPassed(t.corner[1]) && !isPassed(t.corner[2]);
-    };
-    // Triangles of a skin that is pierced may turn over within a step, so that they cannot be followed one by one.
-    const auto hasComeIn = [&] {
-      return body.passed.empty() && std::any_of(axis.begin(), axis.end(), [&](const Vec3& p) {
-               return isWithin(toWorld(to, p), triangles, state.positions) &&
-                      (had_passed || !isWithin(toWorld(from, p), triangles, before_));
-             });
-    };
-    if (!(is_body ? hasComeIn() : std::any_of(triangles.begin(), triangles.end(), isPierced))) continue;
+    AxisPoints axis_before = axis, axis_after = axis;
+    for (std::size_t k = 0; k < axis.size(); ++k) {
+      axis_before.places[k] = toWorld(from, axis[k]);
+      axis_after.places[k] = toWorld(to, axis[k]);
+    }
+    const PassageStep passage_step{body.tool.shape, axis_before, axis_after, triangles, before_,    state.positions,
+                                   body.passed,     had_passed,  grows_,     time,      time + step};
+    const Passage passage = is_body ? findPassageIntoBody(passage_step) : findPassage(passage_step, body.through);
+    if (passage == Passage::kNone) continue;
     gone_through_ = body.tool.id;
     if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) continue;
-    appendNotice(notice, "tool " + quote(body.tool.id) + " has passed through the surface" +
-                             (is_body ? ", between the points of the body; friction on the tool, a wider tool or more points may "
-                                        "prevent it"
-                                      : ": it is narrower than the distance of the points that touch tools"));
+    appendNotice(notice, "tool " + quote(body.tool.id) + " has passed through the surface" + describe(passage));
     reported_.push_back(body.tool.id);
   }
   return notice;
@@ -239,6 +192,7 @@ void ContactLoad::reset() {
   for (Body& body : bodies_) {
     body.passed.clear();
     body.pressed.clear();
+    body.through = {};
   }
   forgetTouches();
   reported_.clear();

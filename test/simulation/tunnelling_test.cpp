@@ -154,6 +154,41 @@ TEST(Tunnelling, ANeedleThatFindsItsWayBetweenThePointsIsReportedOnce) {
   EXPECT_EQ(told, 1);
 }
 
+// A ball of three spacings presses a soft sheet deeper and deeper, until it snaps over the ball.
+TEST(Tunnelling, ABallOverWhichAStretchedSheetSnapsIsReportedOnce) {
+  for (const solve::IntegratorType type : {solve::IntegratorType::kVerlet, solve::IntegratorType::kStatic})
+    for (const double height : {0.1, 1.2}) {
+      simulation::SceneParams p = heldSheet();
+      p.integrator.type = type;
+      p.integrator.time_step = type == solve::IntegratorType::kStatic ? 0.1 : 0.01;
+      p.accuracy.estimate = false;
+      Solid ball;
+      ball.radius = 0.1;
+      p.tools = {mover(ball, 1.0)};
+      p.tools[0].path[1] = {1.6, Vec3(0.5, 0.0, height)};
+      simulation::Simulation s(p, sheetCloud());
+      int told = 0;
+      while (s.time() < 1.75) told += s.step().notice.find("tool 'mover' has passed through the surface: ") != std::string::npos;
+      EXPECT_EQ(told, height > 1.0 ? 1 : 0) << static_cast<int>(type) << ", up to " << height << " m";
+    }
+}
+
+TEST(Tunnelling, AToolThatIsWiderThanTheDistanceOfPointsIsNotCalledNarrower) {
+  simulation::SceneParams p = heldSheet();
+  p.integrator.type = solve::IntegratorType::kStatic;
+  p.integrator.time_step = 0.1;
+  p.accuracy.estimate = false;
+  Solid ball;
+  ball.radius = 0.1;
+  p.tools = {mover(ball, 1.0)};
+  p.tools[0].path[1] = {1.6, Vec3(0.5, 0.0, 1.2)};
+  simulation::Simulation s(p, sheetCloud());
+  std::string notices;
+  while (s.time() < 1.75) notices += s.step().notice;
+  EXPECT_EQ(notices.find("narrower"), std::string::npos) << notices;
+  EXPECT_NE(notices.find("contact did not hold how far the surface is stretched"), std::string::npos) << notices;
+}
+
 // How many notices tell that this tool has passed through a block of elastic solid, 0.2 m x 0.2 m x 0.1 m, held at its lower
 // side.
 int countPassages(const tool::ToolParams& tool) {

@@ -1,0 +1,140 @@
+#include "tool_passage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr int kMostPieces = 16;
+constexpr double kLasting = 0.2;  // s: a surface that is not back before a tool after that stays behind it
+constexpr double kThick = 1.0;    // mean sides of triangles: points that touch thinner tools may be deeper than their middles
+
+// Whether a point went through a triangle, all with constant velocities.
+bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], const Vec3 (&after)[3]) {
+  const Vec3 across_before = (before[1] - before[0]).cross(before[2] - before[0]);
+  const Vec3 across_after = (after[1] - after[0]).cross(after[2] - after[0]);
+  const double side_before = across_before.dot(from - before[0]), side_after = across_after.dot(to - after[0]);
+  if (!((side_before < 0.0) != (side_after < 0.0))) return false;
+  const double height_before = side_before / across_before.norm(), height_after = side_after / across_after.norm();
+  const double share = height_before / (height_before - height_after);
+  const Vec3 at = from + share * (to - from);
+  Vec3 corner[3];
+  for (int c = 0; c < 3; ++c) corner[c] = before[c] + share * (after[c] - before[c]);
+  const Vec3 across = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  for (int c = 0; c < 3; ++c)
+    if (!(across.dot((corner[(c + 1) % 3] - corner[c]).cross(at - corner[c])) >= 0.0)) return false;
+  return true;
+}
+
+// How often a surface goes around a place, by its winding number [Van Oosterom and Strackee 1983]. Where a place goes through the
+// surface it jumps by 1, also through an open one. positionOf(i): m.
+template <class PositionOf>
+double findWinding(const Vec3& place, const std::vector<model::WeightedTriangle>& triangles, const PositionOf& positionOf) {
+  double number = 0.0;
+  for (const model::WeightedTriangle& t : triangles) {
+    const Vec3 a = positionOf(t.corner[0]) - place, b = positionOf(t.corner[1]) - place, c = positionOf(t.corner[2]) - place;
+    const double u = a.norm(), v = b.norm(), w = c.norm();
+    number += t.weight / (2.0 * kPi) * std::atan2(a.dot(b.cross(c)), u * v * w + w * a.dot(b) + u * b.dot(c) + v * c.dot(a));
+  }
+  return number;
+}
+
+// m.
+double findMeanSide(const std::vector<model::WeightedTriangle>& triangles, const Points& positions) {
+  double sum = 0.0;
+  for (const model::WeightedTriangle& t : triangles)
+    for (int c = 0; c < 3; ++c) sum += (positions[t.corner[c]] - positions[t.corner[(c + 1) % 3]]).norm();
+  return triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(triangles.size()));
+}
+
+// Whether a place is within a closed surface.
+bool isWithin(const Vec3& place, const std::vector<model::WeightedTriangle>& triangles, const Points& positions) {
+  if (triangles.empty()) return false;
+  Vec3 low = positions[0], high = positions[0];
+  for (const Vec3& p : positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  if ((place.array() < low.array()).any() || (place.array() > high.array()).any()) return false;
+  return findWinding(place, triangles, [&](Index i) { return positions[i]; }) > 0.5;
+}
+
+// A place and a surface that move straight: how often the place goes through in the direction of the normals, less how often
+// against it. longest: m, of a piece of the paths in which the winding number jumps only there.
+int countCrossings(const Vec3& from, const Vec3& to, const PassageStep& step, double longest) {
+  const Points &before = step.before, &after = step.after;
+  double way = (to - from).norm();
+  for (std::size_t i = 0; i < before.size(); ++i) way = std::max(way, (to - from - after[i] + before[i]).norm());
+  const int pieces = std::clamp(static_cast<int>(std::ceil(std::min(way / longest, 1.0 * kMostPieces))), 1, kMostPieces);
+  const auto windingAt = [&](double share) {
+    return findWinding(from + share * (to - from), step.triangles,
+                       [&](Index i) -> Vec3 { return before[i] + share * (after[i] - before[i]); });
+  };
+  int crossings = 0;
+  double last = windingAt(0.0);
+  for (int k = 1; k <= pieces; ++k) {
+    const double next = windingAt(static_cast<double>(k) / pieces);
+    if (std::abs(next - last) > 0.5) crossings += next < last ? 1 : -1;
+    last = next;
+  }
+  return crossings;
+}
+
+}  // namespace
+
+Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
+  const auto isPassed = [&](Index i) {
+    return std::binary_search(step.passed.begin(), step.passed.end(), ContactLoad::Passed{i, {}},
+                              [](const auto& a, const auto& b) { return a.point < b.point; });
+  };
+  const double width = findWidth(step.shape);
+  // A point of the axis goes through a triangle of which no corner will be pushed back.
+  for (const model::WeightedTriangle& t : step.triangles) {
+    const Vec3 before[3] = {step.before[t.corner[0]], step.before[t.corner[1]], step.before[t.corner[2]]};
+    const Vec3 after[3] = {step.after[t.corner[0]], step.after[t.corner[1]], step.after[t.corner[2]]};
+    for (std::size_t k = 0; k < step.from.size(); ++k) {
+      if (!wentThrough(step.from[k], step.to[k], before, after)) continue;
+      if (std::any_of(t.corner, t.corner + 3, isPassed)) break;
+      const double longest = std::max({(after[1] - after[0]).norm(), (after[2] - after[1]).norm(), (after[0] - after[2]).norm()});
+      return longest > width ? Passage::kNarrow : Passage::kSnapped;
+    }
+  }
+  if (!step.had_passed && step.passed.empty() && !through.isAny()) return Passage::kNone;
+  if (!through.isAny()) through.since = step.begins;
+  for (std::size_t k = 0; k < step.from.size(); ++k)
+    through.crossings[k] += countCrossings(step.from[k], step.to[k], step, 0.5 * width);
+  if (!through.isAny()) return Passage::kNone;
+  const auto isThick = [&] {
+    return geometry::findSmallestExtent(step.shape) > kThick * findMeanSide(step.triangles, step.after);
+  };
+  const bool stays = step.is_equilibrium || step.ends - through.since > kLasting;
+  if (!(step.passed.empty() || (stays && isThick()))) return Passage::kNone;
+  through = {};
+  return Passage::kSnapped;
+}
+
+// Triangles of a skin that is pierced may turn over within a step, so that they cannot be followed one by one.
+Passage findPassageIntoBody(const PassageStep& step) {
+  if (!step.passed.empty() && !step.is_equilibrium) return Passage::kNone;
+  const bool is_new = step.had_passed && !step.is_equilibrium;  // what held it back is gone
+  for (std::size_t k = 0; k < step.to.size(); ++k)
+    if (isWithin(step.to[k], step.triangles, step.after) && (is_new || !isWithin(step.from[k], step.triangles, step.before)))
+      return Passage::kIntoBody;
+  return Passage::kNone;
+}
+
+std::string describe(Passage passage) {
+  switch (passage) {
+    case Passage::kNone: break;
+    case Passage::kNarrow: return ": it is narrower than the distance of the points that touch tools";
+    case Passage::kSnapped:
+      return ": contact did not hold how far the surface is stretched there; a shorter way, a wider tool or more points of the "
+             "cloud between the simulation points may prevent it";
+    case Passage::kIntoBody:
+      return ", between the points of the body; friction on the tool, a wider tool or more points may prevent it";
+  }
+  return "";
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,39 @@
+// Whether a solid tool passes through a surface in a step although contact keeps points from it: between its points, or because
+// the surface is stretched more than contact can hold, and snaps over the tool.
+#pragma once
+
+#include "deformable_surface/simulation/contact_load.h"
+
+#include <string>
+#include <vector>
+
+#include "tool_reach.h"
+
+namespace deformable_surface::simulation {
+
+/// A step in which a tool and a surface move straight.
+struct PassageStep {
+  const geometry::Solid& shape;
+  const AxisPoints &from, &to;                            // of the tool, m, in the world
+  const std::vector<model::WeightedTriangle>& triangles;  // of the surface, or around a body
+  const Points &before, &after;                           // (n x 3) m
+  const std::vector<ContactLoad::Passed>& passed;         // points that the tool has passed over and pushes back, at the end
+  bool had_passed;                                        // whether there were any at the beginning
+  bool is_equilibrium;                                    // at the end
+  double begins, ends;                                    // s
+};
+
+enum class Passage { kNone, kNarrow, kSnapped, kIntoBody };
+
+/// Of an open surface. kNarrow, kSnapped: the tool is narrower than a side of the triangle that it passes, or not. A surface that
+/// is passed over comes back before the tool, unless no point is held any more. It stays behind a thick tool if it is in
+/// equilibrium, or has not come back for 0.2 s. through: before the step, and after it.
+Passage findPassage(const PassageStep& step, ContactLoad::Through& through);
+
+/// Into a closed surface: kIntoBody or kNone.
+Passage findPassageIntoBody(const PassageStep& step);
+
+/// What a notice says after "has passed through the surface".
+std::string describe(Passage passage);
+
+}  // namespace deformable_surface::simulation
