@@ -116,6 +116,26 @@ TEST(ParticleLife, GrownToriRestNearTheirSamples) {
   EXPECT_LT(after_steps, kNear);
 }
 
+// A warning tells that a grown surface will move by itself, as it does when samples were held in growth and are then let go.
+TEST(ParticleLife, GrownSurfacesThatAreNotAtRestAreAWarning) {
+  for (const bool lets_go : {true, false}) {
+    simulation::SceneParams p = loadScene("particles_fit");
+    p.oriented_particles.growth.release_samples = lets_go;
+    simulation::Simulation s = makeSimulation(p);
+    const auto& warnings = s.buildWarnings();
+    const bool is_told = std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+      return warning.find("they are not at rest") != std::string::npos;
+    });
+    EXPECT_EQ(is_told, !lets_go);
+    double fastest = 0.0;  // m/s
+    for (int step = 0; step < 20; ++step) {
+      run(s, 1);
+      fastest = std::max(fastest, simulation::computeQuantity("max_speed", s));
+    }
+    EXPECT_EQ(fastest > 0.1, !lets_go) << fastest;
+  }
+}
+
 // Pins without `orientation` hold positions alone. Normals that are held while particles come to rest turn when they are let go:
 // the fastest particle then has 0.25 m/s after the first step.
 TEST(ParticleLife, GrownSurfacesThatArePinnedBeginAtRest) {

@@ -58,6 +58,19 @@ void warnOfLonely(const model::OrientedParticles& particles, const State& state,
        formatPlace(state.positions[first - is_lonely.begin()]) + " m");
 }
 
+// Tells that particles will move by themselves. held: of those that there are at first; samples held in growth alone are free.
+template <class Warn>
+void warnOfUnrest(model::OrientedParticles& particles, std::vector<char> held, const State& state, const Warn& warn) {
+  held.resize(state.positions.size(), 0);
+  particles.adopt(state);
+  const double unrest = findUnrest(particles, held, state);
+  if (unrest > 0.0)
+    warn(
+        "particles were led towards rest after growth; they are not at rest, for none was found near the samples: without loads "
+        "the first to move starts with " +
+        formatShort(unrest) + " m/s^2");
+}
+
 // Moves particles nearer to each other than a distance, m, apart to it along the line between them, those in one place along the
 // x axis of the first. Growth and relaxation on both sides of something thin can bring two into nearly one place, where repulsion
 // does not part them. fixed (n) stay. One after the other, in the order of their numbers. Returns the number of pairs that are
@@ -181,6 +194,7 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   if (grown.end == model::GrowthEnd::kMaxParticles)
     warn("growth ended at growth.max_particles, " + std::to_string(growth.max_particles) + ": the surface is not complete");
   if (!growth.chain) warnOfLonely(particles, state, warn);
+  if (is_start) warnOfUnrest(particles, held, trial, warn);
   if (near_pairs > 0)
     changes.notice +=
         "; " + std::to_string(near_pairs) +

@@ -25,6 +25,10 @@ void restoreShape(model::OrientedParticles& model, const std::vector<char>& held
 void relaxInShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
                   model::State& state);
 
+/// The largest acceleration, m/s^2, of a particle that is not held (n), without loads, where it is so large that particles slip
+/// past others; 0 if they are at rest. model: that of the state, which it has adopted.
+double findUnrest(const model::OrientedParticles& model, const std::vector<char>& held, const model::State& state);
+
 /// Particles slide by attraction and repulsion alone over the surface of the dense points, which have normals, without leaving
 /// it, until they are even. attraction: a model of the same particles without forces of orientation. held, held_turns (n) as
 /// above. Returns whether any moved: what is at rest stays to the bit.
