@@ -36,6 +36,7 @@ void MarkerServer::takeStatistics(const Statistics& message) {
   const bool is_anew = time_ && (message.cloud != cloud_ || message.simulation_time < *time_);
   // The surface takes no longer to go to a new pose: what was not heard of must not become a jerk.
   const double elapsed = time_ && !is_anew ? std::min(message.simulation_time - *time_, ToolCommands::kLongestMove) : 0.0;
+  if (is_anew || message.header.stamp < began_stamp_) began_stamp_ = message.header.stamp;
   time_ = message.simulation_time;
   cloud_ = message.cloud;
   for (auto& [id, held] : held_) {
@@ -56,7 +57,7 @@ void MarkerServer::follow(HeldTool& held, double elapsed) {
     sendHeld(held);
   } else if (held.is_warm) {
     held.is_warm = false;
-    send(makeWarmth(held), Tool::DELETE);
+    drop(warmthOf(held.tool.id));
     showAnswer(held.tool.id + " is at its marker", true);
   }
 }
@@ -65,6 +66,8 @@ void MarkerServer::follow(HeldTool& held, double elapsed) {
 void MarkerServer::sendHeld(HeldTool& held, bool begins_anew) {
   MarkedTool tool = held.tool;
   tool.pose = held.pose();
+  unwanted_.erase(tool.id);
+  if (held.is_warm) unwanted_.erase(warmthOf(tool.id));
   ToolArray array;
   if (begins_anew) array.tools.push_back(makeMessage(tool, Tool::DELETE));
   array.tools.push_back(makeMessage(tool, Tool::ADD));
@@ -86,6 +89,7 @@ void MarkerServer::addWarmHand() {
   held.spacing = spacing_;
   held.is_warm_hand = true;
   held.acts = false;
+  for (const std::string& id : {tool.id, warmthOf(tool.id)}) unwanted_.emplace(id, ros::WallTime());
   showTool(held);
 }
 
@@ -101,9 +105,10 @@ void MarkerServer::takeHold(HeldTool& hand) {
 
 void MarkerServer::letGo(HeldTool& hand) {
   if (!hand.acts) return;
-  send(hand.tool, Tool::DELETE);
-  if (hand.is_warm) send(makeWarmth(hand), Tool::DELETE);
+  const bool was_warm = hand.is_warm;
   release(hand);
+  drop(hand.tool.id);
+  if (was_warm) drop(warmthOf(hand.tool.id));
 }
 
 /// Its marker returns to the place where it was.
@@ -112,6 +117,22 @@ void MarkerServer::release(HeldTool& hand) {
   hand.way.reset();
   hand.acts = hand.is_warm = false;
   server_.setPose(hand.tool.id, hand.tool.pose);
+  for (const std::string& id : {hand.tool.id, warmthOf(hand.tool.id)}) unwanted_.emplace(id, ros::WallTime());
+}
+
+/// Deletes a tool of a warm hand.
+void MarkerServer::drop(const std::string& id) {
+  MarkedTool tool;
+  tool.id = id;
+  send(tool, Tool::DELETE);
+  there_.erase(id);
+  unwanted_[id] = ros::WallTime::now();
+}
+
+void MarkerServer::dropUnwanted() {
+  if (there_stamp_ < began_stamp_) return;
+  for (const auto& [id, deleted] : unwanted_)
+    if (there_.count(id) > 0 && (ros::WallTime::now() - deleted).toSec() > kRepeatPeriod) drop(id);
 }
 
 MarkedTool MarkerServer::makeWarmth(const HeldTool& hand) const {
@@ -119,7 +140,7 @@ MarkedTool MarkerServer::makeWarmth(const HeldTool& hand) const {
   const double behind = 0.5 * sizes[SolidPrimitive::CYLINDER_HEIGHT] + kWarmBehind * hand.spacing;
   const double ahead = kWarmAhead * hand.spacing;
   MarkedTool warmth;
-  warmth.id = hand.tool.id + "_warmth";
+  warmth.id = warmthOf(hand.tool.id);
   warmth.mode = Tool::HEAT;
   warmth.primitive = makePrimitive(SolidPrimitive::CYLINDER,
                                    {behind + ahead, sizes[SolidPrimitive::CYLINDER_RADIUS] + kWarmBeside * hand.spacing});

@@ -19,7 +19,6 @@ using visualization_msgs::InteractiveMarkerFeedback;
 // RViz reports four times a second that it is still there; without a report the user or the network is gone.
 constexpr double kGripPatience = 2.0;  // s
 // A tool that the surface lost (a reset, another cloud) is sent again. One that it refuses is sent again only for a while.
-constexpr double kRepeatPeriod = 1.0;  // s
 constexpr int kMaxRepeats = 3;
 // If the number of points grows or falls by this factor, it is another surface.
 constexpr double kNewShare = 1.2;
@@ -105,6 +104,9 @@ void MarkerServer::measure() {
 void MarkerServer::takeWrenches(const ToolWrenchArray& message) {
   const ros::WallTime now = ros::WallTime::now();
   noticeSlip(message);
+  there_.clear();
+  for (const ToolWrench& wrench : message.wrenches) there_.insert(wrench.id);
+  there_stamp_ = message.header.stamp;
   std::string refused;
   const auto find = [&](const std::string& id) {
     const auto found =
@@ -112,13 +114,8 @@ void MarkerServer::takeWrenches(const ToolWrenchArray& message) {
     return found == message.wrenches.end() ? nullptr : &*found;
   };
   for (auto& [id, held] : held_) {
-    const ToolWrench* const wrench = find(id);
-    if (!held.acts) {
-      // A snapshot has brought back a hand that has let go.
-      if (!wrench || (now - held.sent).toSec() <= kRepeatPeriod) continue;
-      held.sent = now;
-      send(held.tool, Tool::DELETE);
-    } else if (wrench) {
+    if (!held.acts) continue;
+    if (const ToolWrench* const wrench = find(id)) {
       held.repeats = 0;
       // The first message can still be of what was held before.
       const bool is_news =
@@ -154,6 +151,7 @@ void MarkerServer::noticeSlip(const ToolWrenchArray& message) {
 void MarkerServer::refresh() {
   // Without a subscriber nothing is shown.
   if (points_.empty() || tools_.getNumSubscribers() == 0) return;
+  dropUnwanted();
   followSurface();
   server_.applyChanges();
 }

@@ -17,6 +17,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,9 @@ class MarkerServer {
   void takeHold(HeldTool& hand);
   void letGo(HeldTool& hand);
   void release(HeldTool& hand);
+  void drop(const std::string& id);
+  void dropUnwanted();
+  static std::string warmthOf(const std::string& hand) { return hand + "_warmth"; }
   MarkedTool makeWarmth(const HeldTool& hand) const;
   void removeTool(const std::string& id);
   void pin(const char* service);
@@ -106,6 +110,8 @@ class MarkerServer {
   static constexpr char kGripId[] = "hand";
   // Holds the nearest points and not only one.
   static constexpr double kRadiusShare = 1.5;
+  // s: by then the surface has answered a command.
+  static constexpr double kRepeatPeriod = 1.0;
 
   const MarkerParams params_;
   const std::string surface_;
@@ -128,6 +134,11 @@ class MarkerServer {
   std::uint32_t spot_ = 0;  // a row of points_, or the id of a particle
   std::optional<Grip> grip_;
   std::map<std::string, HeldTool> held_;
+  std::set<std::string> there_;          // tools that the surface has, according to the tool wrenches
+  ros::Time there_stamp_, began_stamp_;  // of these wrenches; of the first statistics since the surface began anew
+  // Of warm hands that hold nothing, also of those without a marker: when each was last deleted; zero: not yet. A command on its
+  // way during a reset, or a snapshot, can bring them back.
+  std::map<std::string, ros::WallTime> unwanted_;
   std::optional<double> time_;  // s, of the surface, since the cloud with the number
   std::uint32_t cloud_ = 0;
   int num_made_ = 0;  // tools and sprays so far, for unique names
