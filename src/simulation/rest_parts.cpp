@@ -39,20 +39,41 @@ std::string adviseOffset(const cloud::PointCloud& input) {
          " points are beyond: subtract an offset from their coordinates";
 }
 
+double findLargest(const Eigen::AlignedBox3d& box) { return box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff(); }
+
+// The step, m, of single precision at the largest coordinate.
+double findSingleStep(const Eigen::AlignedBox3d& box) {
+  const float at = static_cast<float>(findLargest(box));
+  return std::nextafter(at, std::numeric_limits<float>::infinity()) - at;
+}
+
+// Of outputs, which are in single precision. The spacing takes time to find, and is only needed far from the origin.
+std::string warnOfCoarseOutput(const Points& positions) {
+  constexpr double kCoarse = 0.1;  // spacings
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : positions) box.extend(p);
+  Vec3 sizes = box.sizes();
+  std::sort(sizes.data(), sizes.data() + 3);
+  const double step = findSingleStep(box);
+  if (!(step > kCoarse * std::sqrt(sizes[1] * sizes[2] / static_cast<double>(positions.size())))) return "";
+  const double spacing = cloud::findTypicalSpacing(positions);
+  if (!(step > kCoarse * spacing)) return "";
+  return "messages and files of points are in single precision, in which coordinates near " + formatShort(findLargest(box)) +
+         " m go in steps of " + formatShort(step) + " m, where the spacing of the points is " + formatShort(spacing) +
+         " m: subtract an offset from the cloud, or give it in a frame near the surface";
+}
+
 // The step, m, of single precision at the largest coordinate, if it is why points coincide: all coordinates are of single
 // precision, and the step is above half the spacing that these and the lost points have in the box around them; else 0.
 double findLostStep(const Points& positions, Index num_lost) {
   constexpr double kCoarse = 0.5;
-  double largest = 0.0;
   Eigen::AlignedBox3d box;
   for (const Vec3& p : positions) {
     const Eigen::Vector3f stored = p.cast<float>();
     if (p != stored.cast<double>()) return 0.0;
-    largest = std::max(largest, p.cwiseAbs().maxCoeff());
     box.extend(p);
   }
-  const float at = static_cast<float>(largest);
-  const double step = std::nextafter(at, std::numeric_limits<float>::infinity()) - at;
+  const double step = findSingleStep(box);
   const double all = static_cast<double>(positions.size()) + static_cast<double>(num_lost);
   return step > kCoarse * box.sizes().maxCoeff() / std::sqrt(all) ? step : 0.0;
 }
@@ -103,6 +124,8 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
     else
       s.notes.push_back(coincide);
   }
+  if (s.warnings.empty())
+    if (std::string coarse = warnOfCoarseOutput(s.dense.positions); !coarse.empty()) s.warnings.push_back(std::move(coarse));
   if (near.num_merged > 0)
     s.notes.push_back(count(near.num_merged, "points are at most ") + formatShort(near.distance) +
                       " m from others, where the spacing is " + formatShort(near.spacing) +

@@ -39,9 +39,28 @@ TEST(RestParts, PointsThatSinglePrecisionMakesTheSameAreWarnedOf) {
       }
     points.push_back(points.front());
     const RestSurface s = simulation::cleanInput(asCloud(points));
-    EXPECT_EQ(s.warnings.size(), is_single ? 1u : 0u);
-    if (is_single) EXPECT_NE(s.warnings[0].find("in steps of 0.0312 m; subtract an offset"), std::string::npos) << s.warnings[0];
+    ASSERT_EQ(s.warnings.size(), 1u);
+    EXPECT_NE(s.warnings[0].find(is_single ? "in steps of 0.0312 m; subtract an offset" : "messages and files of points"),
+              std::string::npos)
+        << s.warnings[0];
   }
+}
+
+TEST(RestParts, OutputsThatAreTooCoarseForTheSpacingAreWarnedOf) {
+  const auto findWarnings = [](double offset) {
+    Points points;
+    for (int i = 0; i < 40; ++i)
+      for (int j = 0; j < 10; ++j) points.emplace_back(offset + 0.025 * i, 2.0 * offset + 0.025 * j, 300.0);
+    return simulation::cleanInput(asCloud(points)).warnings;
+  };
+  EXPECT_TRUE(findWarnings(0.0).empty());
+  EXPECT_TRUE(findWarnings(1e4).empty());  // steps of 0.00195 m
+  const std::vector<std::string> warnings = findWarnings(1e5);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("coordinates near 2e+05 m go in steps of 0.0156 m, where the spacing of the points is "
+                             "0.025 m: subtract an offset from the cloud, or give it in a frame near the surface"),
+            std::string::npos)
+      << warnings[0];
 }
 
 TEST(RestParts, CoordinatesOfMapsAreRefusedWithAdvice) {

@@ -118,7 +118,9 @@ TEST(SolidSimulation, IsSimplifiedToAsManyPointsAsAskedForAndCarriesTheOthersAlo
 TEST(SolidSimulation, RefusesWhatIsNoBody) {
   SceneParams scene = makeBarScene();
   scene.pins.clear();
-  EXPECT_NE(problemOf(scene, asCloud(makeSphere(800, 0.5).points)).find("lie on a curved surface"), std::string::npos);
+  EXPECT_NE(
+      problemOf(scene, asCloud(makeSphere(800, 0.5).points)).find("and with elastic_solid.fill: true those of a closed surface"),
+      std::string::npos);
   Points line;
   for (int k = 0; k < 20; ++k) line.push_back(Vec3(0.1 * k, 0.0, 0.0));
   EXPECT_NE(problemOf(scene, asCloud(line)).find("lie on a line"), std::string::npos);

@@ -356,9 +356,15 @@ void decodeView(CloudView view, const DecodeLimits& limits, DecodedCloud& decode
   cloud.positions = readVectors(view, coordinates);
   decoded.num_not_finite = markHoles(cloud.positions, limits.max_coordinate);
   const Index num_finite = cloud.size() - decoded.num_not_finite;
-  if (num_finite < kMinPoints)
+  if (num_finite < kMinPoints) {
+    const Points sent = readVectors(view, coordinates);
+    const bool has_far = std::any_of(sent.begin(), sent.end(), [&](const Vec3& p) {
+      return p.allFinite() && p.cwiseAbs().maxCoeff() > limits.max_coordinate;
+    });
     throw Problem{"of " + countOf(cloud.size(), "point") + " " + std::to_string(num_finite) + " have finite coordinates within " +
-                  formatReal(limits.max_coordinate) + " m; a surface needs at least " + std::to_string(kMinPoints)};
+                  formatReal(limits.max_coordinate) + " m; a surface needs at least " + std::to_string(kMinPoints) +
+                  (has_far ? "; others are farther, as in coordinates of maps: subtract an offset from them" : "")};
+  }
 
   const bool has_normals = normals[0] && normals[1] && normals[2];
   if (has_normals) cloud.normals = readVectors(view, normals);

@@ -171,7 +171,13 @@ TEST(CloudDecoder, RefusesFewerThanThreeFinitePoints) {
   EXPECT_TRUE(decodeMessage(message).ok());
   write(message, 16, std::numeric_limits<float>::quiet_NaN());
   EXPECT_EQ(decodeMessage(message).problem.find("of 4 points 2 have finite coordinates"), 0u) << decodeMessage(message).problem;
+  EXPECT_EQ(decodeMessage(message).problem.find("subtract an offset"), std::string::npos);
   EXPECT_FALSE(decodeMessage(makeSheet(2, 1)).ok());
+  for (int i = 0; i < 4; ++i) write(message, 16 * i, 4.6e6f);
+  EXPECT_NE(decodeMessage(message).problem.find("within 1.0e+06 m; a surface needs at least 3; others are farther, as in "
+                                                "coordinates of maps: subtract an offset from them"),
+            std::string::npos)
+      << decodeMessage(message).problem;
 }
 
 TEST(CloudDecoder, HoldsTheLimitOfPoints) {
