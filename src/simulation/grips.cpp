@@ -10,7 +10,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr char kAnew[] = "a tool that is deleted and added again takes hold anew";
+constexpr char kAnew[] = "a tool that is deleted and added again takes hold anew (a warm hand in RViz: Take hold)";
 
 constexpr Index kLook = 1024;  // points between two checks for an interrupt
 constexpr int kMaxPatch = 127;

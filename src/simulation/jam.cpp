@@ -33,7 +33,11 @@ std::string describeJam(const Jam& jam) {
       "contact limited the motion of " + count(jam.points, "points, ") + "one of them at " + formatPlace(jam.place) + " m, ";
   if (jam.actors.empty())
     return told + "where no tool or pin is near, nor acts on the same part: parts meet by their own motion, or under other loads";
-  if (jam.are_near) return told + "where " + list(jam.actors);
+  if (jam.are_near) {
+    const bool may_lag = std::any_of(jam.actors.begin(), jam.actors.end(),
+                                     [](const Jam::Actor& actor) { return actor.moves && actor.act == Jam::Actor::Act::kHolds; });
+    return told + "where " + list(jam.actors) + (may_lag ? "; held points may lag behind the paths of what holds them" : "");
+  }
   return told + "where no tool or pin is near; on the same part of the surface, " + list(jam.actors);
 }
 

@@ -123,6 +123,10 @@ TEST(Jam, TheSentenceNamesWhatIsNearElseWhatActsOnTheSamePartElseNothing) {
   EXPECT_EQ(describeJam(jam), where + "where moving tool 'a' pushes and resting pins[0] holds");
   jam.actors[0].act = Jam::Actor::Act::kPulls;
   EXPECT_EQ(describeJam(jam), where + "where moving tool 'a' pulls and resting pins[0] holds");
+  jam.actors[0].act = Jam::Actor::Act::kHolds;
+  EXPECT_EQ(
+      describeJam(jam),
+      where + "where moving tool 'a' holds and resting pins[0] holds; held points may lag behind the paths of what holds them");
   jam.actors[0].act = Jam::Actor::Act::kPushes;
   for (int k = 1; k <= 4; ++k) jam.actors.push_back({"pins[" + std::to_string(k) + "]", Jam::Actor::Act::kHolds, false});
   EXPECT_TRUE(has(describeJam(jam), ", resting pins[2] holds and 2 more act")) << describeJam(jam);

@@ -119,7 +119,10 @@ std::vector<InterfaceEntry> makeTable() {
        "markers for RViz ([rviz](rviz.md)). Every message contains all markers. Latched. Published on change, once a second, and "
        "to new subscribers",
        {}},
-      {Kind::kPublished, "statistics", "deformable_surface/Statistics", "state and cost of the last step", define<Statistics>()},
+      {Kind::kPublished, "statistics", "deformable_surface/Statistics",
+       "state and cost of the last step, at `output.publish_rate`, also while the surface rests. In a pause it comes after "
+       "steps, resets and other changes only",
+       define<Statistics>()},
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
        "contact wrenches of tools and pins, after every step. `~tools/<id>/wrench` is a geometry_msgs/WrenchStamped of one tool",
        define<ToolWrenchArray>()},

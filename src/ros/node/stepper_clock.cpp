@@ -2,6 +2,7 @@
 #include "stepper.h"
 
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/simulation/model_kind.h"
 
 #include <algorithm>
 #include <string>
@@ -80,10 +81,11 @@ void Stepper::letGoOfLag(double call_seconds) {
     return;
   }
   counts_.time_let_go += toSeconds(lag);
-  const std::string why = step_seconds_ > params_.integrator.time_step
-                              ? "slower than real time (fewer simulation points, or a larger integrator.tolerance of the "
-                                "implicit method, are faster)"
-                              : "the process did not get to run for a while";
+  const std::string remedy = simulation::findModel(params_.model).traits().has_population
+                                 ? "a larger oriented_particles.spacing is faster"
+                                 : "fewer simulation points, or a larger integrator.tolerance of the implicit method, are faster";
+  const std::string why = step_seconds_ > params_.integrator.time_step ? "slower than real time (" + remedy + ")"
+                                                                       : "the process did not get to run for a while";
   warnings_.report(Warning::kBehind, why + ": the last step took " + formatShort(step_seconds_) + " s for " +
                                          formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
                                          " s are not caught up");

@@ -122,6 +122,22 @@ TEST_F(ParticlesTest, AScalpelCutsWhileTheNodeRuns) {
   }
 }
 
+// It names what helps particles.
+TEST_F(ParticlesTest, LagBehindTheClockIsTold) {
+  NodeProcess process("/late",
+                      "{model: oriented_particles, gravity: [0, 0, 0], simplification: {method: none}, "
+                      "integrator: {time_step: 1.0e-6}}");
+  NodeClient client("/late");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  cloud_ = makeSheet(8, 8);
+  cloud_.header.stamp = ros::Time::now();
+  ASSERT_TRUE(client.exchange(cloud_)) << process.output();
+  EXPECT_TRUE(waitUntil([&] {
+    return process.output().find("slower than real time (a larger oriented_particles.spacing is faster): the last step took") !=
+           std::string::npos;
+  })) << process.output();
+}
+
 // With a surface without points every command is accepted or refused with a sentence, and the node continues.
 TEST_F(ParticlesTest, AnEmptySurfaceAnswersEverything) {
   NodeProcess process("/emptied",

@@ -78,7 +78,9 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
   if (findMedian(thinness) < kThin)
     throw InputError(
         "cloud: its " +
-        count(n, "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane"));
+        count(n,
+              "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane, and with "
+              "elastic_solid.fill: true those of a closed surface"));
   return Vec3::Zero();
 }
 
