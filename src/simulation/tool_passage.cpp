@@ -6,7 +6,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr int kMostPieces = 16;
+constexpr int kMostPieces = 16;   // of the paths of a step
 constexpr double kLasting = 0.2;  // s: a surface that is not back before a tool after that stays behind it
 constexpr double kThick = 1.0;    // mean sides of triangles: points that touch thinner tools may be deeper than their middles
 
