@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tool_passage.h"
 #include "tool_reach.h"
@@ -87,12 +88,18 @@ bool passes(const ContactLoad::Body& body) {
 
 }  // namespace
 
+void ContactLoad::predict(double step, const model::State& state) {
+  ahead_.positions.resize(state.positions.size());
+  for (Index i = 0; i < state.size(); ++i) ahead_.positions[i] = state.positions[i] + step * state.velocities[i];
+  ahead_.escaped = state.escaped;
+}
+
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
   before_ = state.positions;
   forgetTouches();
   notice_.clear();
   has_new_arrival_ = has_new_detour_ = false;
-  bool any = false;
+  bool any = std::exchange(has_let_go_, false);
   for (Body& body : bodies_) {
     const bool acts = tool::isActive(body.tool, time + kRounding * step);
     any = any || body.acts != acts;
@@ -138,14 +145,15 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     body.passed.swap(scratch_);
     any = any || !body.passed.empty();
   }
+  if (!grows_ && points_.between() && points_.between()->hasPlaces()) predict(step, state);
   for (std::size_t b = 0; b < bodies_.size(); ++b)
-    if (!grows_ && (!bodies_[b].pressed.empty() || points_.between())) any = updateAlone(time, state, held, b) || any;
+    if (!grows_ && (!bodies_[b].pressed.empty() || points_.between())) any = updateAlone(time, step, state, held, b) || any;
   forgetTouches();
   return any || has_new_detour_;
 }
 
 std::string ContactLoad::endStep(double time, double step, const model::State& state, const std::vector<char>& held,
-                                 const std::vector<model::WeightedTriangle>& triangles, bool is_body) {
+                                 const Skin& skin) {
   std::string notice;
   gone_through_.clear();
   forgetTouches();
@@ -176,11 +184,16 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       axis_before.places[k] = toWorld(from, axis[k]);
       axis_after.places[k] = toWorld(to, axis[k]);
     }
-    const PassageStep passage_step{body.tool.shape, axis_before, axis_after, triangles, before_,    state.positions,
-                                   body.passed,     had_passed,  grows_,     time,      time + step};
-    const Passage passage = is_body ? findPassageIntoBody(passage_step) : findPassage(passage_step, body.through);
+    const PassageStep passage_step{
+        body.tool.shape, to,         axis_before,           axis_after,   skin.triangles, before_, state.positions,
+        body.passed,     had_passed, !body.pressed.empty(), skin.spacing, grows_,         time,    time + step};
+    const Passage passage = skin.is_body ? findPassageIntoBody(passage_step) : findPassage(passage_step, body.through);
     if (passage == Passage::kNone) continue;
     gone_through_ = body.tool.id;
+    if (!skin.is_body && !body.passed.empty()) {
+      body.passed.clear();  // the rest of the surface is on the other side
+      has_let_go_ = true;
+    }
     if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) continue;
     appendNotice(notice, "tool " + quote(body.tool.id) + " has passed through the surface" + describe(passage));
     reported_.push_back(body.tool.id);

@@ -38,12 +38,16 @@ constexpr double kLargeBall = 40.0, kFlat = 0.02;
 bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints& between, Index cell) {
   if (between.begin(cell) == between.end(cell)) return false;
   const bool is_flat = shape.kind == geometry::Solid::Kind::kPlane ||
-                       (shape.kind == geometry::Solid::Kind::kSphere && shape.radius > kLargeBall * between.radius(cell));
-  return !is_flat || between.height(cell) > kFlat * between.radius(cell);
+                       (shape.kind == geometry::Solid::Kind::kSphere && shape.radius > kLargeBall * between.extent(cell));
+  return !is_flat || between.height(cell) > kFlat * between.extent(cell);
 }
 
-constexpr double kDeeper = 0.01;   // of the radius of a cell: less is not deeper
-constexpr double kInstant = 1e-9;  // of a step: paths may bend where it ends
+// Of the radius of a cell, which is half of the spacing: less is not deeper. Places on triangles are deeper than their corners on
+// any ball, by the second if its radius is twelve spacings.
+constexpr double kDeeper = 0.01, kDeeperPlace = 0.02;
+constexpr double kThick = 0.5;  // of the same: thinner tools would push places out on the wrong side
+constexpr double kNever = std::numeric_limits<double>::infinity();  // s
+constexpr double kInstant = 1e-9;                                   // of a step: paths may bend where it ends
 constexpr double kSettled = 0.01;  // of the largest growth: smaller changes need no new equilibrium
 
 bool isBelow(const ContactLoad::Pressed& a, Index point) { return a.point < point; }
@@ -92,7 +96,8 @@ bool ContactLoad::mayHold(const Vec3& point, const Vec3& direction, double time)
   });
 }
 
-void ContactLoad::listTouches(std::size_t b, double time, const model::State& state, std::vector<Touch>& touches) const {
+void ContactLoad::listTouches(std::size_t b, double time, const model::State& state, bool to_choose,
+                              std::vector<Touch>& touches) const {
   const Body& body = bodies_[b];
   const Points& positions = state.positions;
   touches.clear();
@@ -120,8 +125,9 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     double returning = is_pressed ? pressed++->withdrawal.rateAt(time) : 0.0;
     const double squared_distance = (positions[i] - pose.position).squaredNorm();
     double reach = 0.0;
-    if (between && mayTouchBetween(tool.shape, *between, i)) {
-      const double farthest = radius + largest_growth + kMostStretch * between->radius(i);
+    const bool has_near = between && (to_choose || between->beginSpare(i) > between->begin(i));
+    if (has_near && mayTouchBetween(tool.shape, *between, i)) {
+      const double farthest = radius + largest_growth + kMostStretch * between->extent(i);
       if (!(squared_distance > farthest * farthest)) reach = between->findReach(i, positions);
     }
     if (!is_passed && growth == 0.0 && squared_distance > squared_ball && reach == 0.0) continue;
@@ -158,37 +164,43 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
   if (between) listTouchesBetween(body, time, pose, positions, largest_growth, touches);
 }
 
-// For the cells that are near.
+// The pressed points, and those of the cells that are near.
 void ContactLoad::listTouchesBetween(const Body& body, double time, const tool::Pose& pose, const Points& positions,
                                      double largest_growth, std::vector<Touch>& touches) const {
   const transfer::SampledPoints& between = *points_.between();
+  const Index m = points_.numSimulated();
   Index looked = 0;
-  auto pressed = std::lower_bound(body.pressed.begin(), body.pressed.end(), points_.numSimulated(), isBelow);
+  const auto look = [&](Index p, const Pressed* pressed) {
+    if (points_.isSevered(p)) return;
+    endIfInterrupted(looked++, kLook);
+    const double growth = pressed ? pressed->growthAt(time) : 0.0;
+    const double returning = pressed ? pressed->withdrawal.rateAt(time) : 0.0;
+    const bool is_alone = pressed && !grows_ && !between.isPlace(p - m);
+    const Vec3 position = points_.place(p, positions);
+    const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, std::max(growth, 0.0));
+    const double depth = growth - d.distance;
+    if (!(depth > 0.0)) return;
+    const double own = rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p)), pad = padOf(p, true);
+    const double stiffness = std::min(own, pad), softness = own > pad ? pad / own : 1.0;
+    touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
+  };
+  auto pressed = std::lower_bound(body.pressed.begin(), body.pressed.end(), m, isBelow);
+  const auto lookPressedBefore = [&](Index p) {
+    for (; pressed != body.pressed.end() && pressed->point < p; ++pressed) look(pressed->point, &*pressed);
+  };
   for (const NearCell& near : near_)
-    for (Index s = between.begin(near.cell); s < between.end(near.cell); ++s) {
-      const Index p = points_.numSimulated() + s;
-      if (!(near.distance < between.share(s) * near.reach + largest_growth) || points_.isSevered(p)) continue;
-      while (pressed != body.pressed.end() && pressed->point < p) ++pressed;
-      const bool is_pressed = pressed != body.pressed.end() && pressed->point == p;
-      if (between.isSpare(s) && !is_pressed) continue;
-      endIfInterrupted(looked++, kLook);
-      const double growth = is_pressed ? pressed->growthAt(time) : 0.0;
-      const double returning = is_pressed ? pressed->withdrawal.rateAt(time) : 0.0;
-      const bool is_alone = is_pressed && !grows_;
-      const Vec3 position = points_.place(p, positions);
-      const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, std::max(growth, 0.0));
-      const double depth = growth - d.distance;
-      if (!(depth > 0.0)) continue;
-      const double own = rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p)), pad = padOf(p, true);
-      const double stiffness = std::min(own, pad), softness = own > pad ? pad / own : 1.0;
-      touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
+    for (Index s = between.begin(near.cell); s < between.beginSpare(near.cell); ++s) {
+      lookPressedBefore(m + s);
+      const bool is_pressed = pressed != body.pressed.end() && pressed->point == m + s;
+      if (!is_pressed && near.distance < between.share(s) * near.reach + largest_growth) look(m + s, nullptr);
     }
+  lookPressedBefore(points_.size());
 }
 
 // Writes the points between that need springs of their own into spare_: of each cell the spare point that is deeper than the
 // others, or the touching one that is. After listTouches(), whose near cells it takes.
 void ContactLoad::chooseAlone(const Body& body, double time, const Points& positions, const std::vector<char>& held,
-                              const std::vector<Touch>& touches) {
+                              const std::vector<Touch>& touches, Choice choice) {
   spare_.clear();
   const transfer::SampledPoints* const between = points_.between();
   if (!between || near_.empty()) return;
@@ -210,43 +222,53 @@ void ContactLoad::chooseAlone(const Body& body, double time, const Points& posit
   for (const Passed& passed : body.passed) deepest_[passed.point].depth = std::numeric_limits<double>::infinity();
   const tool::Pose pose = tool::interpolate(body.tool.path, time);
   const Index m = points_.numSimulated();
+  const double thickness = geometry::findSmallestExtent(body.tool.shape);
   Index looked = 0;
   for (const NearCell& near : near_) {
     const Deepest& deepest = deepest_[near.cell];
     if ((deepest.point >= 0 || deepest.has_pressed) && isPadded(near.cell)) continue;
-    const double more = kDeeper * between->radius(near.cell);
+    const double radius = between->radius(near.cell), extent = between->extent(near.cell), more = kDeeper * radius;
+    const bool takes_cloud = choice.cloud && radius > 0.0, takes_places = choice.places && thickness > kThick * extent;
+    const double least_of_place = deepest.depth + kDeeperPlace * extent;
     Pressed chosen{-1, deepest.depth + more};
-    auto known = std::lower_bound(body.pressed.begin(), body.pressed.end(), m + between->begin(near.cell), isBelow);
-    for (Index s = between->begin(near.cell); s < between->end(near.cell); ++s) {
+    auto known = std::lower_bound(body.pressed.begin(), body.pressed.end(), m + between->beginSpare(near.cell), isBelow);
+    for (Index s = between->beginSpare(near.cell); s < between->end(near.cell); ++s) {
       while (known != body.pressed.end() && known->point < m + s) ++known;
       const bool is_known = known != body.pressed.end() && known->point == m + s;
-      if (!between->isSpare(s) || is_known || !(near.distance < between->share(s) * near.reach)) continue;
+      const bool is_place = between->isPlace(s);
+      if (!(is_place ? takes_places : takes_cloud)) continue;
+      if (is_known || !(near.distance < between->share(s) * near.reach)) continue;
       endIfInterrupted(looked++, kLook);
       const double depth = -tool::findSignedDistance(body.tool.shape, pose, points_.place(m + s, positions), 0.0).distance;
+      if (is_place && !(depth > least_of_place)) continue;
       if (depth > chosen.growth && !points_.isSevered(m + s) && !points_.isHeld(m + s, held)) chosen = {m + s, depth};
     }
-    const bool is_one_deep = points_.isBetween(deepest.point) && deepest.depth > deepest.next + more;
+    const bool is_one_deep = takes_cloud && points_.isBetween(deepest.point) && deepest.depth > deepest.next + more;
     if (chosen.point < 0 && is_one_deep && std::isfinite(deepest.depth)) chosen = {deepest.point, deepest.depth};
     if (chosen.point >= 0) spare_.push_back(chosen);
   }
 }
 
-// In motion, before a step: chosen points that are outside are free again, and new ones are chosen. Returns whether anything has
+// In motion, before a step: chosen points that are outside are free again, and new ones are chosen. Places on triangles are by
+// where all will be at present velocities: one that is chosen before it is deep stores no energy. Returns whether anything has
 // changed.
-bool ContactLoad::updateAlone(double time, const model::State& state, const std::vector<char>& held, std::size_t b) {
+bool ContactLoad::updateAlone(double time, double step, const model::State& state, const std::vector<char>& held, std::size_t b) {
   Body& body = bodies_[b];
-  const Points& positions = state.positions;
+  const transfer::SampledPoints* const between = points_.between();
   body.pressed.reserve(points_.size());
-  spare_.reserve(positions.size());
+  spare_.reserve(state.size());
   const tool::Pose pose = tool::interpolate(body.tool.path, time);
   const tool::Motion motion = tool::findMotion(body.tool.path, time);
+  const auto distanceOf = [&](const Vec3& place, double reach) {
+    return tool::findSignedDistance(body.tool.shape, pose, place, reach).distance;
+  };
   std::size_t kept = 0;
   bool has_changed = false;
   for (const Pressed& pressed : body.pressed) {
     if (!points_.isBetween(pressed.point)) continue;
-    const double small = kDeeper * points_.between()->radius(points_.simulationPointOf(pressed.point));
-    const Vec3 place = points_.place(pressed.point, positions);
-    const double distance = tool::findSignedDistance(body.tool.shape, pose, place, small).distance;
+    const double small = kDeeper * between->extent(points_.simulationPointOf(pressed.point));
+    const Vec3 place = points_.place(pressed.point, state.positions);
+    const double distance = distanceOf(place, small);
     if (!(distance < small)) continue;
     const Withdrawal withdrawal = pressed.withdrawal.goOn(time, -distance, motion.velocityAt(place).norm());
     has_changed = has_changed || pressed.growth > 0.0 || withdrawal.begins != pressed.withdrawal.begins;
@@ -254,17 +276,31 @@ bool ContactLoad::updateAlone(double time, const model::State& state, const std:
   }
   has_changed = has_changed || kept != body.pressed.size();
   body.pressed.resize(kept);
-  if (!*body.acts || !tool::isPushing(body.tool)) return has_changed;
-  listTouches(b, time, state, pressing_);
-  chooseAlone(body, time, positions, held, pressing_);
-  if (spare_.empty()) return has_changed;
-  for (const Pressed& chosen : spare_) {
-    // The force on it stays.
-    const double share = points_.isSpare(chosen.point) ? 0.0 : points_.massOf(chosen.point) / points_.ownMassOf(chosen.point);
-    body.pressed.push_back({chosen.point, 0.0, {(1.0 - share) * chosen.growth, time}});
+  if (!between || !*body.acts || !tool::isPushing(body.tool)) return has_changed;
+  const auto addChosen = [&] {
+    for (const Pressed& chosen : spare_) {
+      // The force on it stays.
+      const double share = points_.isSpare(chosen.point) ? 0.0 : points_.massOf(chosen.point) / points_.ownMassOf(chosen.point);
+      const double depth = std::max(0.0, -distanceOf(points_.place(chosen.point, state.positions), 0.0));
+      Withdrawal withdrawal{(1.0 - share) * depth, time};
+      if (between->isPlace(chosen.point - points_.numSimulated())) withdrawal.ease = kNever;
+      body.pressed.push_back({chosen.point, 0.0, withdrawal});
+    }
+    std::sort(body.pressed.begin(), body.pressed.end(), isBefore);
+    has_changed = has_changed || !spare_.empty();
+  };
+  if (!between->areLinear()) {
+    listTouches(b, time, state, true, pressing_);
+    chooseAlone(body, time, state.positions, held, pressing_, {true, false});
+    addChosen();
   }
-  std::sort(body.pressed.begin(), body.pressed.end(), isBefore);
-  return true;
+  // A pad yields to the points of the cloud.
+  if (between->hasPlaces() && (between->areLinear() || compliance_ == 0.0)) {
+    listTouches(b, time + step, ahead_, true, pressing_);
+    chooseAlone(body, time + step, ahead_.positions, held, pressing_, {false, true});
+    addChosen();
+  }
+  return has_changed;
 }
 
 bool ContactLoad::isShared(const geometry::Solid& shape, Index cell) const {
@@ -286,7 +322,7 @@ double ContactLoad::grow(double time, const model::State& state, const std::vect
   double change = 0.0;
   grown_.clear();
   if (!tool::isPushing(body.tool)) return change;
-  listTouches(b, time, state, pressing_);
+  listTouches(b, time, state, true, pressing_);
   auto passed = body.passed.begin();
   for (const Touch& touch : pressing_) {
     while (passed != body.passed.end() && passed->point < touch.point) ++passed;
@@ -298,7 +334,7 @@ double ContactLoad::grow(double time, const model::State& state, const std::vect
     const double before = touch.pressed + touch.distance;
     change = std::max(change, std::abs(grown_.back().growth - before));
   }
-  chooseAlone(body, time, state.positions, held, pressing_);
+  chooseAlone(body, time, state.positions, held, pressing_, {true, true});
   for (const Pressed& spare : spare_) {
     if (!points_.isSpare(spare.point)) continue;
     const double depth = std::min(spare.growth, most_growth_);
@@ -331,7 +367,7 @@ const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body
     touched_at_ = state.positions;
   }
   Touches& touches = touches_[body];
-  if (!touches.are_known) listTouches(body, time, state, touches.list);
+  if (!touches.are_known) listTouches(body, time, state, false, touches.list);
   touches.are_known = true;
   return touches.list;
 }
@@ -438,7 +474,7 @@ void ContactLoad::listNear(std::size_t b, double time, double within, const mode
     const Vec3 &x = state.positions[i], &v = state.velocities[i];
     const double way =
         within * std::sqrt(std::max((v - now.velocityAt(x)).squaredNorm(), (v - later.velocityAt(x)).squaredNorm()));
-    const double of_cell = between && mayTouchBetween(tool.shape, *between, i) ? kMostStretch * between->radius(i) : 0.0;
+    const double of_cell = between && mayTouchBetween(tool.shape, *between, i) ? kMostStretch * between->extent(i) : 0.0;
     const double reach = way + (tool::isPushing(tool) ? of_cell : tool.reach);
     if ((x - pose.position).norm() > radius + reach) continue;
     // Triangles are not searched: the ball around them is enough for a bound.

@@ -69,25 +69,6 @@ void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles)
   triangles.resize(kept);
 }
 
-// Neighbours on a surface traverse their common edge in opposite directions. A triangle that would traverse an edge in the same
-// direction as another one overlaps it.
-std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const std::vector<model::WeightedTriangle>& triangles) {
-  std::vector<contact::Triangle> chosen;
-  std::set<std::pair<Index, Index>> taken;
-  for (const bool takes_shared : {false, true}) {
-    for (const model::WeightedTriangle& triangle : triangles) {
-      if ((triangle.weight < kAlone) != takes_shared) continue;
-      const contact::Triangle t{triangle.corner[0], triangle.corner[1], triangle.corner[2]};
-      const auto overlaps = [&](int k) { return taken.count({t[k], t[(k + 1) % 3]}) > 0; };
-      if (overlaps(0) || overlaps(1) || overlaps(2)) continue;
-      for (int k = 0; k < 3; ++k) taken.emplace(t[k], t[(k + 1) % 3]);
-      chosen.push_back(t);
-    }
-  }
-  dropOverlaps(rest, chosen);
-  return chosen;
-}
-
 std::vector<contact::Triangle> listCorners(const std::vector<model::WeightedTriangle>& triangles) {
   std::vector<contact::Triangle> corners;
   corners.reserve(triangles.size());
@@ -115,8 +96,26 @@ double findShareWithout(const Points& rest, const std::vector<model::WeightedTri
 
 }  // namespace
 
+// A triangle that would traverse an edge in the same direction as another one overlaps it.
+std::vector<contact::Triangle> chooseTriangulation(const std::vector<model::WeightedTriangle>& triangles) {
+  std::vector<contact::Triangle> chosen;
+  std::set<std::pair<Index, Index>> taken;
+  for (const bool takes_shared : {false, true}) {
+    for (const model::WeightedTriangle& triangle : triangles) {
+      if ((triangle.weight < kAlone) != takes_shared) continue;
+      const contact::Triangle t{triangle.corner[0], triangle.corner[1], triangle.corner[2]};
+      const auto overlaps = [&](int k) { return taken.count({t[k], t[(k + 1) % 3]}) > 0; };
+      if (overlaps(0) || overlaps(1) || overlaps(2)) continue;
+      for (int k = 0; k < 3; ++k) taken.emplace(t[k], t[(k + 1) % 3]);
+      chosen.push_back(t);
+    }
+  }
+  return chosen;
+}
+
 ContactSkin::ContactSkin(const Points& rest, const std::vector<model::WeightedTriangle>& given)
-    : triangles(chooseContactTriangles(rest, given)) {
+    : triangles(chooseTriangulation(given)) {
+  dropOverlaps(rest, triangles);
   const std::vector<contact::Triangle> surface = listCorners(given);
   for (const Filling& filling : fillHoles(rest, triangles, surface)) {
     triangles.push_back(filling.triangle);

@@ -27,4 +27,8 @@ struct ContactSkin {
   std::vector<std::vector<contact::Triangle>> beneath_;  // of each triangle that fills a hole
 };
 
+/// One triangulation where several overlap because a Delaunay cell has more than three corners: neighbours on a surface traverse
+/// their common edge in opposite directions.
+std::vector<contact::Triangle> chooseTriangulation(const std::vector<model::WeightedTriangle>& triangles);
+
 }  // namespace deformable_surface::simulation

@@ -135,8 +135,8 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   outcome.search_seconds = search_timer.seconds();
   if (!contact.isEmpty()) {
     const Timer contact_timer;
-    const std::vector<model::WeightedTriangle>& triangles = outside();
-    appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, triangles, skin_.has_value()));
+    const ContactLoad::Skin skin{outside(), skin_.has_value(), activity_.spacing()};
+    appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, skin));
     points.escaped.clear();
     appendNotice(outcome.notice, describeGrazing(now + dt));
     outcome.contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part_ ? part_->takeContactSeconds() : 0.0);

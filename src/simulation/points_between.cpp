@@ -4,11 +4,19 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
+#include <utility>
+
+#include "contact_skin.h"
 
 namespace deformable_surface::simulation {
 namespace {
 
 constexpr int kReach = 4;  // links: farther than any simulation point that a point of an uncut cell follows
+constexpr int kParts = 4;  // of the sides of triangles
+constexpr Index kFew = 8;  // dense points in a cell: fewer are farther apart than places on triangles
+
+using transfer::PlaceOnTriangle;
 
 // The simulation point in whose cell each dense point lies; -1: in none.
 std::vector<Index> findOwners(const cloud::CleanCloud& dense, const RestSurface& surface) {
@@ -48,33 +56,98 @@ std::vector<std::vector<Index>> listCells(const cloud::CleanCloud& dense, const 
   return cells;
 }
 
-std::shared_ptr<const transfer::SampledPoints> sample(const SceneParams& params, const cloud::CleanCloud& dense,
-                                                      const RestSurface& surface, const std::vector<std::vector<Index>>& cells,
-                                                      Index most, Index most_spare) {
-  const Index m = static_cast<Index>(surface.points.size());
-  Points positions, normals;
-  std::vector<Index> cell;
-  std::vector<char> is_spare;
-  const auto add = [&](Index owner, Index d, bool spare) {
-    positions.push_back(dense.positions[d]);
-    normals.push_back(dense.normals[d]);
-    cell.push_back(owner);
-    is_spare.push_back(spare);
-  };
-  for (Index i = 0; i < m; ++i) {
-    std::vector<Index> chosen = spread(dense.positions, surface.points[i], cells[i], most + most_spare);
-    const auto spare = chosen.begin() + std::min(most, static_cast<Index>(chosen.size()));
-    std::sort(chosen.begin(), spare);
-    for (auto d = chosen.begin(); d != chosen.end(); ++d) add(i, *d, d >= spare);
-    if (most_spare > 0 && !surface.dense_index.empty()) add(i, surface.dense_index[i], true);
+// All places on the triangles between the simulation points, kParts to a side, without the corners.
+std::vector<PlaceOnTriangle> listPlaces(const RestSurface& surface) {
+  std::vector<model::WeightedTriangle> given;
+  for (const cloud::Triangle& t : surface.rings.triangles) given.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
+  std::set<std::pair<Index, Index>> sides;
+  std::vector<PlaceOnTriangle> places;
+  constexpr double kPart = 1.0 / kParts;
+  for (const auto& [a, b, c] : chooseTriangulation(given)) {
+    // Sides of neighbours once.
+    const bool is_new[3] = {sides.insert(std::minmax(b, c)).second, sides.insert(std::minmax(c, a)).second,
+                            sides.insert(std::minmax(a, b)).second};
+    for (int i = 0; i <= kParts; ++i)
+      for (int j = 0; i + j <= kParts; ++j) {
+        const std::array<int, 3> parts{i, j, kParts - i - j};
+        const auto side = std::find(parts.begin(), parts.end(), 0);
+        const bool is_corner = std::find(parts.begin(), parts.end(), kParts) != parts.end();
+        if (is_corner || (side != parts.end() && !is_new[side - parts.begin()])) continue;
+        places.push_back({{a, b, c}, {kPart * parts[0], kPart * parts[1], kPart * parts[2]}});
+      }
   }
-  if (cell.empty()) return nullptr;
-  const bool is_euclidean = params.neighbors.areEuclidean();
-  const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(surface.cells, cell, positions, params.transfer.k);
-  const transfer::Transfer rows(positions, normals, surface.points, std::vector<char>(m, 1), params.transfer,
-                                is_euclidean ? nullptr : &followed);
-  return std::make_shared<transfer::SampledPoints>(rows, surface.points, cell, std::move(is_spare));
+  return places;
 }
+
+// Points between simulation points, by cells.
+class Sample {
+ public:
+  using Use = transfer::SampledPoints::Use;
+
+  Sample(const cloud::CleanCloud& dense, const RestSurface& surface, const std::vector<std::vector<Index>>& cells)
+      : dense_(dense), surface_(surface), cells_(cells) {}
+
+  /// At most `most` dense points of each cell, spread over it, and spare ones.
+  void addDense(Index most, Index most_spare) {
+    for (Index i = 0; i < static_cast<Index>(cells_.size()); ++i) {
+      std::vector<Index> chosen = spread(dense_.positions, surface_.points[i], cells_[i], most + most_spare);
+      const auto spare = chosen.begin() + std::min(most, static_cast<Index>(chosen.size()));
+      std::sort(chosen.begin(), spare);
+      for (auto d = chosen.begin(); d != chosen.end(); ++d)
+        add(i, dense_.positions[*d], dense_.normals[*d], d < spare ? Use::kAlways : Use::kSpare);
+      const bool has_center = most_spare > 0 && !surface_.dense_index.empty();
+      if (has_center) add(i, dense_.positions[surface_.dense_index[i]], dense_.normals[surface_.dense_index[i]], Use::kSpare);
+    }
+  }
+  /// Spare places on the triangles, where cells have few dense points: moved to the tangent plane of the nearest one.
+  void addPlaces() {
+    const auto isFew = [](const std::vector<Index>& cell) { return static_cast<Index>(cell.size()) < kFew; };
+    if (std::none_of(cells_.begin(), cells_.end(), isFew)) return;
+    for (const PlaceOnTriangle& place : listPlaces(surface_)) {
+      const Index i = place.nearest();
+      if (!isFew(cells_[i])) continue;
+      const Vec3 p = place.interpolate(surface_.points);
+      Vec3 near = surface_.points[i], normal = surface_.normals[i];
+      for (const Index d : cells_[i]) {
+        if (!((dense_.positions[d] - p).squaredNorm() < (near - p).squaredNorm())) continue;
+        near = dense_.positions[d];
+        normal = dense_.normals[d];
+      }
+      add(i, p - (p - near).dot(normal) * normal, place.interpolate(surface_.normals).normalized(), Use::kSparePlace);
+    }
+  }
+  std::shared_ptr<const transfer::SampledPoints> finish(const SceneParams& params) {
+    if (points_.empty()) return nullptr;
+    std::stable_sort(points_.begin(), points_.end(), [](const Point& a, const Point& b) { return a.cell < b.cell; });
+    Points positions, normals;
+    std::vector<Index> cell;
+    std::vector<Use> use;
+    for (const Point& point : points_) {
+      positions.push_back(point.position);
+      normals.push_back(point.normal);
+      cell.push_back(point.cell);
+      use.push_back(point.use);
+    }
+    const bool is_euclidean = params.neighbors.areEuclidean();
+    const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(surface_.cells, cell, positions, params.transfer.k);
+    const transfer::Transfer rows(positions, normals, surface_.points, std::vector<char>(surface_.points.size(), 1),
+                                  params.transfer, is_euclidean ? nullptr : &followed);
+    return std::make_shared<transfer::SampledPoints>(rows, surface_.points, cell, std::move(use));
+  }
+
+ private:
+  struct Point {
+    Index cell;
+    Vec3 position, normal;
+    Use use;
+  };
+  void add(Index cell, const Vec3& position, const Vec3& normal, Use use) { points_.push_back({cell, position, normal, use}); }
+
+  const cloud::CleanCloud& dense_;
+  const RestSurface& surface_;
+  const std::vector<std::vector<Index>>& cells_;
+  std::vector<Point> points_;
+};
 
 }  // namespace
 
@@ -82,7 +155,17 @@ std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const ScenePa
                                                                    const RestSurface& surface, bool with_spare) {
   const Index most = params.contact.cloud_points;
   if (most == 0 || dense.positions.size() <= surface.points.size()) return nullptr;
-  return sample(params, dense, surface, listCells(dense, surface), most, with_spare ? std::max<Index>(kMostPoints - most, 1) : 0);
+  const std::vector<std::vector<Index>> cells = listCells(dense, surface);
+  Sample sample(dense, surface, cells);
+  sample.addDense(most, with_spare ? std::max<Index>(kMostPoints - most, 1) : 0);
+  if (with_spare) sample.addPlaces();
+  return sample.finish(params);
+}
+
+std::shared_ptr<const transfer::SampledPoints> choosePlacesOnTriangles(const SceneParams& params, const RestSurface& surface) {
+  const std::vector<PlaceOnTriangle> places =
+      params.contact.cloud_points > 0 ? listPlaces(surface) : std::vector<PlaceOnTriangle>();
+  return places.empty() ? nullptr : std::make_shared<transfer::SampledPoints>(places, surface.points);
 }
 
 std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, const cloud::CleanCloud& dense,
@@ -90,7 +173,11 @@ std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, co
                                                    std::shared_ptr<const transfer::SampledPoints> between) {
   if (dense.positions.size() <= surface.points.size()) return nullptr;
   const std::vector<std::vector<Index>> cells = listCells(dense, surface);
-  if (!between || params.contact.cloud_points != most) between = sample(params, dense, surface, cells, most, 0);
+  if (!between || params.contact.cloud_points != most) {
+    Sample sample(dense, surface, cells);
+    sample.addDense(most, 0);
+    between = sample.finish(params);
+  }
   if (!between) return nullptr;
   LoadPoints load;
   load.share.assign(between->size(), 0.0);
@@ -125,6 +212,16 @@ std::vector<char> findSevered(const transfer::SampledPoints& between, const std:
     ring[b].push_back(a);
   }
   std::vector<char> is_severed(between.size(), 0);
+  if (between.areLinear()) {
+    const auto isLinked = [&](Index a, Index b) {
+      return a == b || std::find(ring[a].begin(), ring[a].end(), b) != ring[a].end();
+    };
+    for (Index s = 0; s < between.size(); ++s)
+      between.visitWeights(s, [&](Index a, double) {
+        between.visitWeights(s, [&](Index b, double) { is_severed[s] = is_severed[s] || !isLinked(a, b); });
+      });
+    return is_severed;
+  }
   std::vector<Index> reached, distance(m, -1);
   for (Index cell = 0; cell < m; ++cell) {
     if (between.begin(cell) == between.end(cell)) continue;

@@ -53,6 +53,7 @@ std::shared_ptr<const transfer::SampledPoints> chooseWatched(const Dynamics& lev
   SceneParams params = level.params();
   const RestSurface& rest = level.rest();
   // No points between particles touch tools, but they are watched.
+  if (rest.dense.positions.size() <= rest.points.size() && rest.between == nullptr) return nullptr;
   const bool touches = !level.kind().traits().is_oriented;
   if (touches && params.contact.cloud_points >= kWatched) return level.loads().contact.points().sharedBetween();
   params.contact.cloud_points = kWatched;

@@ -8,7 +8,6 @@ namespace {
 
 constexpr int kMostPieces = 16;   // of the paths of a step
 constexpr double kLasting = 0.2;  // s: a surface that is not back before a tool after that stays behind it
-constexpr double kThick = 1.0;    // mean sides of triangles: points that touch thinner tools may be deeper than their middles
 
 // Whether a point went through a triangle, all with constant velocities.
 bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], const Vec3 (&after)[3]) {
@@ -40,12 +39,19 @@ double findWinding(const Vec3& place, const std::vector<model::WeightedTriangle>
   return number;
 }
 
-// m.
-double findMeanSide(const std::vector<model::WeightedTriangle>& triangles, const Points& positions) {
-  double sum = 0.0;
-  for (const model::WeightedTriangle& t : triangles)
-    for (int c = 0; c < 3; ++c) sum += (positions[t.corner[c]] - positions[t.corner[(c + 1) % 3]]).norm();
-  return triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(triangles.size()));
+Vec3 toTool(const tool::Pose& pose, const Vec3& p) { return pose.orientation.conjugate() * (p - pose.position); }
+
+Passage findReason(const PassageStep& step) {
+  if (findWidth(step.shape) < step.spacing) return Passage::kNarrow;
+  return geometry::findSmallestExtent(step.shape) < step.spacing ? Passage::kThin : Passage::kSnapped;
+}
+
+// m, of the passed points, below the planes at which they came in.
+double findDeepest(const PassageStep& step) {
+  double deepest = 0.0;
+  for (const ContactLoad::Passed& passed : step.passed)
+    deepest = std::max(deepest, -passed.entry.heightOf(toTool(step.pose, step.after[passed.point])));
+  return deepest;
 }
 
 // Whether a place is within a closed surface.
@@ -88,30 +94,30 @@ Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
     return std::binary_search(step.passed.begin(), step.passed.end(), ContactLoad::Passed{i, {}},
                               [](const auto& a, const auto& b) { return a.point < b.point; });
   };
-  const double width = findWidth(step.shape);
-  // A point of the axis goes through a triangle of which no corner will be pushed back.
+  // A point of the axis goes through a triangle.
+  bool is_pierced = false;
   for (const model::WeightedTriangle& t : step.triangles) {
     const Vec3 before[3] = {step.before[t.corner[0]], step.before[t.corner[1]], step.before[t.corner[2]]};
     const Vec3 after[3] = {step.after[t.corner[0]], step.after[t.corner[1]], step.after[t.corner[2]]};
     for (std::size_t k = 0; k < step.from.size(); ++k) {
       if (!wentThrough(step.from[k], step.to[k], before, after)) continue;
+      is_pierced = true;
       if (std::any_of(t.corner, t.corner + 3, isPassed)) break;
-      const double longest = std::max({(after[1] - after[0]).norm(), (after[2] - after[1]).norm(), (after[0] - after[2]).norm()});
-      return longest > width ? Passage::kNarrow : Passage::kSnapped;
+      if (!step.has_pressed) return findReason(step);  // nothing of it will be pushed back
     }
   }
-  if (!step.had_passed && step.passed.empty() && !through.isAny()) return Passage::kNone;
+  if (!step.had_passed && step.passed.empty() && !is_pierced && !through.isAny()) return Passage::kNone;
   if (!through.isAny()) through.since = step.begins;
   for (std::size_t k = 0; k < step.from.size(); ++k)
-    through.crossings[k] += countCrossings(step.from[k], step.to[k], step, 0.5 * width);
+    through.crossings[k] += countCrossings(step.from[k], step.to[k], step, 0.5 * findWidth(step.shape));
   if (!through.isAny()) return Passage::kNone;
-  const auto isThick = [&] {
-    return geometry::findSmallestExtent(step.shape) > kThick * findMeanSide(step.triangles, step.after);
-  };
+  const bool is_pushed = !step.passed.empty() || step.has_pressed;
   const bool stays = step.is_equilibrium || step.ends - through.since > kLasting;
-  if (!(step.passed.empty() || (stays && isThick()))) return Passage::kNone;
+  const double thickness = geometry::findSmallestExtent(step.shape);
+  const bool is_deep = step.passed.empty() || thickness > step.spacing || findDeepest(step) > thickness + step.spacing;
+  if (is_pushed && !(stays && is_deep)) return Passage::kNone;
   through = {};
-  return Passage::kSnapped;
+  return findReason(step);
 }
 
 // Triangles of a skin that is pierced may turn over within a step, so that they cannot be followed one by one.
@@ -127,10 +133,13 @@ Passage findPassageIntoBody(const PassageStep& step) {
 std::string describe(Passage passage) {
   switch (passage) {
     case Passage::kNone: break;
-    case Passage::kNarrow: return ": it is narrower than the distance of the points that touch tools";
+    case Passage::kNarrow: return ": it is narrower than the distance of the simulation points";
+    case Passage::kThin:
+      return ": it is thinner than the distance of the simulation points; a thicker tool or more simulation points may prevent "
+             "it";
     case Passage::kSnapped:
-      return ": contact did not hold how far the surface is stretched there; a shorter way, a wider tool or more points of the "
-             "cloud between the simulation points may prevent it";
+      return ": contact did not hold how far the surface is stretched there; a shorter way, a wider tool or more "
+             "simulation points may prevent it";
     case Passage::kIntoBody:
       return ", between the points of the body; friction on the tool, a wider tool or more points may prevent it";
   }

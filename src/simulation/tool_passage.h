@@ -14,20 +14,24 @@ namespace deformable_surface::simulation {
 /// A step in which a tool and a surface move straight.
 struct PassageStep {
   const geometry::Solid& shape;
+  const tool::Pose& pose;                                 // of the tool, at the end
   const AxisPoints &from, &to;                            // of the tool, m, in the world
   const std::vector<model::WeightedTriangle>& triangles;  // of the surface, or around a body
   const Points &before, &after;                           // (n x 3) m
   const std::vector<ContactLoad::Passed>& passed;         // points that the tool has passed over and pushes back, at the end
   bool had_passed;                                        // whether there were any at the beginning
+  bool has_pressed;                                       // whether it pushes places between the points
+  double spacing;                                         // m, of the points at rest
   bool is_equilibrium;                                    // at the end
   double begins, ends;                                    // s
 };
 
-enum class Passage { kNone, kNarrow, kSnapped, kIntoBody };
+enum class Passage { kNone, kNarrow, kThin, kSnapped, kIntoBody };
 
-/// Of an open surface. kNarrow, kSnapped: the tool is narrower than a side of the triangle that it passes, or not. A surface that
-/// is passed over comes back before the tool, unless no point is held any more. It stays behind a thick tool if it is in
-/// equilibrium, or has not come back for 0.2 s. through: before the step, and after it.
+/// Of an open surface. kNarrow, kThin, kSnapped: the width of the tool is below the spacing, its thickness is, or neither. A
+/// surface that is passed over comes back before the tool, unless no point is pushed any more. It stays behind the tool if it is
+/// in equilibrium, or has not come back for 0.2 s. In a thin tool points may always be deeper than its middle, so there they must
+/// also be deeper than the tool and the spacing. through: before the step, and after it.
 Passage findPassage(const PassageStep& step, ContactLoad::Through& through);
 
 /// Into a closed surface: kIntoBody or kNone.

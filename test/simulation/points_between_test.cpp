@@ -189,6 +189,88 @@ TEST(PointsBetween, ASurfaceOfWhichEveryPointIsSimulatedHasNone) {
   EXPECT_FALSE(simulation::choosePointsBetween(p, rest.dense, rest, false));
 }
 
+TEST(PointsBetween, WhereEveryPointIsSimulatedThereArePlacesOnTrianglesAQuarterOfASideApart) {
+  SceneParams p = floating();
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(12));
+  const auto places = simulation::choosePlacesOnTriangles(p, rest);
+  ASSERT_TRUE(places);
+  // A grid of 11 x 11 squares with one diagonal each: three places on each side and in each triangle.
+  EXPECT_EQ(places->size(), 3 * (2 * 11 * 12 + 11 * 11) + 3 * 2 * 11 * 11);
+  for (Index s = 0; s < places->size(); ++s) {
+    EXPECT_TRUE(places->isSpare(s));
+    const Vec3 place = places->place(s, rest.points);
+    for (Index t = 0; t < s; ++t) ASSERT_GT((places->place(t, rest.points) - place).norm(), 0.15 / 11.0);
+  }
+  p.contact.cloud_points = 0;
+  EXPECT_FALSE(simulation::choosePlacesOnTriangles(p, rest));
+}
+
+TEST(PointsBetween, CellsOfFewPointsHavePlacesOnTrianglesToo) {
+  SceneParams p = floating();
+  p.simplification.target_points = 400;  // of 1600: three in a cell
+  const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(40));
+  const auto between = simulation::choosePointsBetween(p, rest.dense, rest, true);
+  Index num_places = 0;
+  for (Index s = 0; s < between->size(); ++s) {
+    num_places += between->isPlace(s);
+    EXPECT_NEAR(between->place(s, rest.points).z(), 0.0, 1e-6);
+  }
+  EXPECT_GT(num_places, 4000);
+  EXPECT_TRUE(between->isSpare(between->beginSpare(0)));
+}
+
+TEST(PointsBetween, WhereEveryPointIsSimulatedASmallBallLiftsTheSheet) {
+  SceneParams p = floating();
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.accuracy.estimate = false;
+  // The points are 9 cm apart. The ball comes up in the middle of a square, or of a side.
+  const double spacing = 1.0 / 11.0;
+  for (const double across : {0.0, 0.5 * spacing}) {
+    const Vec3 gap(0.5, across, 0.0);
+    const auto meet = [&](Index cloud_points) {
+      p.contact.cloud_points = cloud_points;
+      Simulation s(p, sheetCloud(12));
+      s.setTool(makeTool(makeBall(0.02), {{0.0, gap + Vec3(0.0, 0.0, -0.05)}, {1.0, gap + Vec3(0.0, 0.0, 0.05)}}));
+      run(s, 100);
+      double highest = 0.0;
+      for (const Vec3& q : s.state().positions) highest = std::max(highest, q.z());
+      return highest;
+    };
+    EXPECT_LT(meet(0), 1e-6) << across;
+    EXPECT_GT(meet(8), 0.05) << across;
+  }
+}
+
+TEST(PointsBetween, PlacesOnTrianglesWithACutSideAreSevered) {
+  SceneParams p = floating();
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(12));
+  const auto places = simulation::choosePlacesOnTriangles(p, rest);
+  auto links = rest.model->links()->stretchLinks();
+  const Index m = static_cast<Index>(rest.points.size());
+  const std::vector<char> none = simulation::findSevered(*places, links, m);
+  EXPECT_EQ(std::count(none.begin(), none.end(), 1), 0);
+  // A cut from one side to the middle.
+  const auto isCut = [&](const std::pair<Index, Index>& link) {
+    const Vec3 &a = rest.points[link.first], &b = rest.points[link.second];
+    return (a.x() < 0.5) != (b.x() < 0.5) && 0.5 * (a.y() + b.y()) < 0.0;
+  };
+  links.erase(std::remove_if(links.begin(), links.end(), isCut), links.end());
+  const std::vector<char> severed = simulation::findSevered(*places, links, m);
+  Index num_severed = 0;
+  for (Index s = 0; s < places->size(); ++s) {
+    std::vector<Index> followed;
+    places->visitWeights(s, [&](Index j, double) { followed.push_back(j); });
+    bool has_cut_side = false;
+    for (const Index a : followed)
+      for (const Index b : followed) has_cut_side = has_cut_side || isCut({a, b});
+    EXPECT_EQ(severed[s] != 0, has_cut_side) << places->place(s, rest.points).transpose();
+    num_severed += severed[s];
+  }
+  EXPECT_GT(num_severed, 40);
+}
+
 TEST(PointsBetween, ThoseThatFollowBothSidesOfACutAreSevered) {
   SceneParams p = floating();
   const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(40));

@@ -18,6 +18,8 @@ Points makeSquare(double height) {
 const std::vector<model::WeightedTriangle> kSquare{{{0, 1, 2}, 1.0}, {{0, 2, 3}, 1.0}};
 const std::vector<ContactLoad::Passed> kAllPassed{{0, {}}, {1, {}}, {2, {}}, {3, {}}};
 
+constexpr double kSpacing = 2.0;
+
 // The heights of a ball and of the square before and after a step.
 struct Heights {
   double ball_before, ball_after, square_before = 0.0, square_after = 0.0;
@@ -28,7 +30,7 @@ struct Course {
   bool is_equilibrium = false;
   ContactLoad::Through through{};
   double time = 0.0;
-  bool had_passed = false;
+  bool had_passed = false, has_pressed = false;
 
   Passage step(const Heights& heights, bool has_passed, double duration = 0.01) {
     geometry::Solid ball;
@@ -36,8 +38,9 @@ struct Course {
     const simulation::AxisPoints from{{Vec3(0.1, -0.2, heights.ball_before)}, 1}, to{{Vec3(0.1, -0.2, heights.ball_after)}, 1};
     const Points before = makeSquare(heights.square_before), after = makeSquare(heights.square_after);
     const std::vector<ContactLoad::Passed> passed = has_passed ? kAllPassed : std::vector<ContactLoad::Passed>();
-    const simulation::PassageStep step{ball,       from,           to,   kSquare,        before, after, passed,
-                                       had_passed, is_equilibrium, time, time + duration};
+    const tool::Pose pose{to.places[0], Eigen::Quaterniond::Identity()};
+    const simulation::PassageStep step{ball,   pose,       from,        to,       kSquare,        before, after,
+                                       passed, had_passed, has_pressed, kSpacing, is_equilibrium, time,   time + duration};
     time += duration;
     had_passed = has_passed;
     return simulation::findPassage(step, through);
@@ -63,7 +66,7 @@ TEST(ToolPassage, ASurfaceThatIsHeldNoMoreBehindTheToolIsPassed) {
   Course course{0.1};
   EXPECT_EQ(course.step({0.3, -0.3}, true), Passage::kNone);
   EXPECT_TRUE(course.through.isAny());
-  EXPECT_EQ(course.step({-0.3, -0.4}, false), Passage::kSnapped);
+  EXPECT_EQ(course.step({-0.3, -0.4}, false), Passage::kNarrow);
   EXPECT_FALSE(course.through.isAny());
 }
 
@@ -73,6 +76,26 @@ TEST(ToolPassage, ASurfaceThatStaysBehindAThickToolIsPassedAfterAWhile) {
     EXPECT_EQ(course.step({0.3, -0.3}, true), Passage::kNone);
     EXPECT_EQ(course.step({-0.3, -0.3}, true, 0.15), Passage::kNone);
     EXPECT_EQ(course.step({-0.3, -0.3}, true, 0.15), radius > 1.0 ? Passage::kSnapped : Passage::kNone) << radius;
+  }
+}
+
+TEST(ToolPassage, ATriangleThatPushesTheToolBackIsPassedOnlyAfterAWhile) {
+  for (const bool comes_back : {true, false}) {
+    Course course{1.5};
+    course.has_pressed = true;
+    EXPECT_EQ(course.step({0.3, -0.3}, false), Passage::kNone);
+    EXPECT_TRUE(course.through.isAny());
+    EXPECT_EQ(course.step({-0.3, comes_back ? 0.3 : -0.3}, false, 0.15), Passage::kNone);
+    EXPECT_EQ(course.step({-0.3, -0.3}, false, 0.15), comes_back ? Passage::kNone : Passage::kSnapped);
+  }
+}
+
+// Whose plane of entry is at the height of the square.
+TEST(ToolPassage, AThinToolIsPassedIfPointsAreDeeperThanItAndTheSpacing) {
+  for (const double way : {1.0, 3.0}) {
+    Course course{0.1};
+    EXPECT_EQ(course.step({-0.3, 0.3}, true), Passage::kNone);
+    EXPECT_EQ(course.step({0.3, 0.3, 0.0, -way}, true, 0.3), way > 2.0 ? Passage::kNarrow : Passage::kNone) << way;
   }
 }
 
@@ -87,7 +110,9 @@ TEST(ToolPassage, BesideAnEdgeNothingIsPassedHoweverFastTheToolIs) {
   const simulation::AxisPoints from{{Vec3(1.02, 0.0, 0.5)}, 1}, to{{Vec3(1.02, 0.0, -0.5)}, 1};
   const Points square = makeSquare(0.0);
   ContactLoad::Through through;
-  const simulation::PassageStep step{ball, from, to, kSquare, square, square, kAllPassed, false, true, 0.0, 0.01};
+  const tool::Pose pose{to.places[0], Eigen::Quaterniond::Identity()};
+  const simulation::PassageStep step{ball,       pose,  from,  to,       kSquare, square, square,
+                                     kAllPassed, false, false, kSpacing, true,    0.0,    0.01};
   EXPECT_EQ(simulation::findPassage(step, through), Passage::kNone);
   EXPECT_FALSE(through.isAny());
 }
@@ -101,8 +126,9 @@ TEST(ToolPassage, IntoABodyIsTheFirstStepAtWhoseEndThePlaceIsInside) {
   const auto find = [&](double before, double after, bool has_passed, bool is_equilibrium) {
     const simulation::AxisPoints from{{Vec3(0.1, 0.2, before)}, 1}, to{{Vec3(0.1, 0.2, after)}, 1};
     const std::vector<ContactLoad::Passed> passed = has_passed ? kAllPassed : std::vector<ContactLoad::Passed>();
-    return simulation::findPassageIntoBody(
-        {ball, from, to, triangles, cube.vertices, cube.vertices, passed, has_passed, is_equilibrium, 0.0, 0.01});
+    const tool::Pose pose{to.places[0], Eigen::Quaterniond::Identity()};
+    return simulation::findPassageIntoBody({ball, pose, from, to, triangles, cube.vertices, cube.vertices, passed, has_passed,
+                                            false, kSpacing, is_equilibrium, 0.0, 0.01});
   };
   EXPECT_EQ(find(1.3, 0.7, false, false), Passage::kIntoBody);
   EXPECT_EQ(find(0.7, 0.6, false, false), Passage::kNone);

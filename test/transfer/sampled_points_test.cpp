@@ -131,5 +131,43 @@ TEST(SampledPoints, APartHasThoseOfWhichAllSourcesAreLeft) {
   }
 }
 
+// Of a square of two triangles, in opposite order of cells.
+const Points kSquare{Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(1.0, 1.0, 0.0), Vec3(0.0, 1.0, 0.0)};
+const std::vector<PlaceOnTriangle> kPlaces{
+    {{0, 2, 3}, {0.2, 0.2, 0.6}}, {{0, 1, 2}, {0.25, 0.0, 0.75}}, {{0, 1, 2}, {0.5, 0.5, 0.0}}};
+
+TEST(SampledPoints, OnTrianglesLieInTheCellOfTheNearestCornerAndFollowTheCorners) {
+  const SampledPoints samples(kPlaces, kSquare);
+  ASSERT_EQ(samples.size(), 3);
+  for (const Index s : {0, 1, 2}) EXPECT_TRUE(samples.isSpare(s) && samples.isPlace(s));
+  Points now = kSquare;
+  now[2].z() = 1.0;
+  const std::pair<Index, Vec3> expected[] = {{0, Vec3(0.5, 0.0, 0.0)}, {2, Vec3(0.75, 0.75, 0.75)}, {3, Vec3(0.2, 0.8, 0.2)}};
+  for (Index s = 0; s < 3; ++s) {
+    EXPECT_EQ(samples.cellOf(s), expected[s].first);
+    EXPECT_LT((samples.place(s, now) - expected[s].second).norm(), 1e-15);
+    EXPECT_LT((samples.findVelocity(s, now) - expected[s].second).norm(), 1e-15);
+    EXPECT_LE((samples.place(s, kSquare) - kSquare[samples.cellOf(s)]).norm(), samples.extent(samples.cellOf(s)));
+  }
+  EXPECT_EQ(samples.begin(1), samples.end(1));
+  EXPECT_EQ(samples.beginSpare(2), 1);
+}
+
+TEST(SampledPoints, OnTrianglesPassForcesOnByTheirWeights) {
+  const SampledPoints samples(kPlaces, kSquare);
+  Points forces(4, Vec3::Zero());
+  samples.scatter(1, kSquare, Vec3(0.0, 0.0, 8.0), forces);
+  EXPECT_EQ(forces, (Points{Vec3(0.0, 0.0, 2.0), Vec3::Zero(), Vec3(0.0, 0.0, 6.0), Vec3::Zero()}));
+}
+
+TEST(SampledPoints, APartOfThoseOnTrianglesHasTheSamePlaces) {
+  const SampledPoints samples(kPlaces, kSquare);
+  std::vector<Index> old;
+  const SampledPoints part = samples.takePart({2, -1, 1, 0}, 3, old);
+  ASSERT_EQ(old, std::vector<Index>{2});
+  EXPECT_TRUE(part.isPlace(0));
+  EXPECT_LT((part.place(0, {kSquare[3], kSquare[2], kSquare[0]}) - Vec3(0.2, 0.8, 0.0)).norm(), 1e-15);
+}
+
 }  // namespace
 }  // namespace deformable_surface::transfer

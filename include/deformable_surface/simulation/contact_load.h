@@ -32,6 +32,10 @@ namespace deformable_surface::simulation {
 /// small tools press on such points. Spare points touch only once they are chosen. The tool's surface first withdraws from a
 /// chosen point, so that its force does not jump, and comes back (Withdrawal). The choice ends when the point is outside.
 ///
+/// Places on triangles (SampledPoints::isPlace()) are chosen if they will be deeper at the end of the step. They have the spring
+/// of their cell's simulation point, and the surface does not come back to them by itself. Otherwise sheets that slide over edges
+/// would gain energy.
+///
 /// In equilibria the depth is not left: it would make the tool softer than it is. Where points press on a solid tool, its surface
 /// grows by s towards them until they lie on the tool itself, and F = m r^2 (d + s) (setGrowing()). In motion nothing grows:
 /// points that carry s along, as those of a rolling ball do, would drive the motion. Points that cannot be pushed, and those that
@@ -75,17 +79,18 @@ class ContactLoad : public solve::ExternalLoad {
   struct Withdrawal {
     static constexpr double kEase = 0.5;          // s, in which it falls to 1 / e
     double way = 0.0, begins = 0.0, speed = 0.0;  // m, s; m/s, of the tool
+    double ease = kEase;                          // s; infinite: the surface does not come back by itself
 
     double at(double time) const {
-      return way > 0.0 ? std::max(0.0, way * std::exp((begins - time) / kEase) - (time - begins) * speed) : 0.0;
+      return way > 0.0 ? std::max(0.0, way * std::exp((begins - time) / ease) - (time - begins) * speed) : 0.0;
     }
     /// How fast it falls, m/s.
-    double rateAt(double time) const { return at(time) > 0.0 ? way / kEase * std::exp((begins - time) / kEase) + speed : 0.0; }
+    double rateAt(double time) const { return at(time) > 0.0 ? way / ease * std::exp((begins - time) / ease) + speed : 0.0; }
     /// The same from a time on, with a point at a depth (m) that it follows, and the speed of the tool there (m/s).
     Withdrawal goOn(double time, double depth, double tool_speed) const {
       const double now = at(time);
       if (!(depth < now) && tool_speed == speed) return *this;
-      return {std::clamp(depth, 0.0, now), time, tool_speed};
+      return {std::clamp(depth, 0.0, now), time, tool_speed, ease};
     }
   };
   /// A point that a tool has passed over, with its entry.
@@ -151,10 +156,14 @@ class ContactLoad : public solve::ExternalLoad {
   /// Tools that have not acted yet take the arrivals of those with the same id in other: a copy with fewer points would find
   /// different ones.
   void adoptArrivals(const ContactLoad& other);
-  /// After a step: adds the points that were passed over although beginStep() did not predict it. triangles: of the surface, or
-  /// around a body. Returns a notice for the user.
-  std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held,
-                      const std::vector<model::WeightedTriangle>& triangles, bool is_body);
+  struct Skin {
+    const std::vector<model::WeightedTriangle>& triangles;  // of the surface, or around a body
+    bool is_body;
+    double spacing;  // m, of the points at rest
+  };
+  /// After a step: adds the points that were passed over although beginStep() did not predict it. Those of a tool that has gone
+  /// through the surface are let go. Returns a notice for the user.
+  std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held, const Skin& skin);
   /// The id of a tool that has gone through the surface between the points in the last step; empty: none.
   const std::string& goneThrough() const { return gone_through_; }
   /// Whether tools that appear in the surface arrive. If not, as for equilibria, they are in place at once. Default: they arrive.
@@ -281,9 +290,13 @@ class ContactLoad : public solve::ExternalLoad {
   }
   void listTouchesBetween(const Body& body, double time, const tool::Pose& pose, const Points& positions, double largest_growth,
                           std::vector<Touch>& touches) const;
+  struct Choice {
+    bool cloud, places;  // points of the cloud, places on triangles
+  };
   void chooseAlone(const Body& body, double time, const Points& positions, const std::vector<char>& held,
-                   const std::vector<Touch>& touches);
-  bool updateAlone(double time, const model::State& state, const std::vector<char>& held, std::size_t b);
+                   const std::vector<Touch>& touches, Choice choice);
+  bool updateAlone(double time, double step, const model::State& state, const std::vector<char>& held, std::size_t b);
+  void predict(double step, const model::State& state);
   /// Whether points between share the area of a cell with its simulation point.
   bool isShared(const geometry::Solid& shape, Index cell) const;
   /// N/m, of the pad that a point presses on.
@@ -300,17 +313,19 @@ class ContactLoad : public solve::ExternalLoad {
   void forgetTouches() {
     for (Touches& touches : touches_) touches.are_known = false;
   }
-  void listTouches(std::size_t b, double time, const model::State& state, std::vector<Touch>& touches) const;
+  /// to_choose: near_ also has the cells of which all points between are spare.
+  void listTouches(std::size_t b, double time, const model::State& state, bool to_choose, std::vector<Touch>& touches) const;
   void listNear(std::size_t body, double time, double within, const model::State& state, std::vector<Index>& near) const;
   double totalMass() const;
 
   ContactPoints points_;
   std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0, stiffening_ = 1.0, compliance_ = 0.0, most_growth_ = 0.0;
-  bool grows_ = false, arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
+  bool grows_ = false, arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false, has_let_go_ = false;
   std::string notice_;
   mutable double seconds_ = 0.0;
-  Points before_;  // m, of the last beginStep()
+  Points before_;       // m, of the last beginStep()
+  model::State ahead_;  // where its points would be at the end of the step at present velocities; no more of the state is set
   // Scratch of listTouches().
   struct NearCell {
     Index cell;

@@ -86,7 +86,9 @@ class MassSpringKind : public ModelKind {
   }
 
   std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const override {
-    return rest.dense.positions.empty() ? rest.between : choosePointsBetween(params, rest.dense, rest, true);
+    if (rest.dense.positions.empty()) return rest.between;
+    const bool is_whole = rest.dense.positions.size() <= rest.points.size();
+    return is_whole ? choosePlacesOnTriangles(params, rest) : choosePointsBetween(params, rest.dense, rest, true);
   }
   std::shared_ptr<const LoadPoints> makeLoadPoints(const SceneParams& params, const RestSurface& rest) const override {
     return rest.dense.positions.empty() ? rest.load_points : chooseLoadPoints(params, rest.dense, rest, kMostLoadPoints);
