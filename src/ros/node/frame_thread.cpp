@@ -25,6 +25,7 @@ FrameThread::~FrameThread() {
   }
   came_.notify_all();
   left_.notify_all();
+  shown_.notify_all();
   thread_.join();
 }
 
@@ -36,8 +37,14 @@ void FrameThread::show(Moment&& moment) {
     ++num_dropped_;
   }
   left_.wait(lock, [this] { return is_ended_ || waiting_.size() < kMostWaiting; });
+  if (moment.is_result) ++num_results_;
   waiting_.push_back(std::move(moment));
   came_.notify_one();
+}
+
+void FrameThread::waitForResult() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  shown_.wait(lock, [this, given = num_results_] { return is_ended_ || num_results_shown_ >= given; });
 }
 
 int FrameThread::numDropped() const {
@@ -57,6 +64,12 @@ void FrameThread::run() {
     }
     left_.notify_one();
     show_(moment);
+    if (!moment.is_result) continue;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ++num_results_shown_;
+    }
+    shown_.notify_all();
   }
 }
 

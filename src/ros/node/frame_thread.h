@@ -5,6 +5,7 @@
 #include "moment.h"
 
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -24,6 +25,8 @@ class FrameThread {
 
   /// Replaces a waiting moment, unless that one must be kept. Blocks only while several such moments wait.
   void show(Moment&& moment);
+  /// Waits until the last result of a call that was handed over before is shown. For any thread but the one that shows.
+  void waitForResult();
   /// How many were replaced.
   int numDropped() const;
 
@@ -32,9 +35,10 @@ class FrameThread {
 
   const std::function<void(Moment&)> show_;
   mutable std::mutex mutex_;
-  std::condition_variable came_, left_;
+  std::condition_variable came_, left_, shown_;
   std::deque<Moment> waiting_;  // all but the last are to be kept
   bool is_ended_ = false;
+  std::uint64_t num_results_ = 0, num_results_shown_ = 0;
   int num_dropped_ = 0;
   std::thread thread_;
 };

@@ -122,6 +122,7 @@ void GrowService::grow(const Request& request, Response& response) {
     stepper_.replaceHeld(std::move(copy));
     response.particles = static_cast<std::uint32_t>(stepper_.simulation()->state().size());
   });
+  stepper_.waitForResult();
   response.success = true;
 }
 

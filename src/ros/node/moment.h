@@ -19,6 +19,7 @@ struct Moment {
   std::uint64_t revision = 0, surface_revision = 0;  // of the simulation
   bool all = false;                                  // clouds and markers too that have not changed since they were published
   bool is_kept = false;                              // it is shown, also where a newer one comes
+  bool is_result = false;                            // of a call: the cloud is made for later subscribers, too
   // For the first moment of a new surface, at rest; else null and empty:
   std::unique_ptr<simulation::Simulation> viewer;
   std::string frame;

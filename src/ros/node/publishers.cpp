@@ -83,14 +83,18 @@ void Publishers::publish(Moment& moment) {
   const auto isNew = [all = moment.all || is_new_](std::uint64_t revision, std::uint64_t& published) {
     return std::exchange(published, revision) != revision || all;
   };
-  // The first message is kept for later subscribers.
+  // The first message, and what a call left, are latched for later subscribers.
   const bool is_seen = deformed_.getNumSubscribers() > 0, is_followed = updates_.getNumSubscribers() > 0;
+  const bool is_kept = is_new_ || (moment.is_result && moment.surface_revision != latched_revision_);
   if (!is_followed) changes_.forget();
-  if (is_new_ || ((is_seen || is_followed) && isNew(moment.surface_revision, surface_revision_))) {
+  if (is_new_ || ((is_seen || is_followed) && isNew(moment.surface_revision, surface_revision_)) || is_kept) {
     const auto message = clouds_.take();
     message->header = header;
     encoder_->encode(viewer_->surface(true), *message);
-    if (is_new_ || is_seen) deformed_.publish(message);
+    if (is_seen || is_kept) {
+      deformed_.publish(message);
+      latched_revision_ = moment.surface_revision;
+    }
     if (is_followed) publishUpdate(message);
   }
   if (simulation_points_.getNumSubscribers() > 0 && isNew(moment.revision, points_revision_)) {

@@ -51,6 +51,7 @@ class Publishers {
   std::chrono::steady_clock::time_point next_markers_;                               // even without a change
   bool is_new_ = false;                                                              // nothing of this surface was published yet
   std::uint64_t surface_revision_ = 0, points_revision_ = 0, markers_revision_ = 0;  // of the simulation, when published last
+  std::uint64_t latched_revision_ = 0;                                               // of the surface in the latched cloud
   double time_publish_ = 0.0;                                                        // s, of the last frame
 };
 

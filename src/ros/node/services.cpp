@@ -174,6 +174,7 @@ bool Services::perform(Response& response, const Work& work, bool ends_step) {
     }
   };
   const std::string problem = inbox_.perform(answer, ends_step);
+  stepper_.waitForResult();
   if (!problem.empty()) {
     response.success = false;
     response.message = problem;
@@ -187,7 +188,7 @@ bool Services::reset(std_srvs::TriggerResponse& response) {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     const std::size_t before = stepper_.snapshots().all().size();
     stepper_.reset();
-    stepper_.show();
+    stepper_.showResult();
     const std::size_t dropped = before - stepper_.snapshots().all().size();
     return "the surface is at rest at time 0" +
            (dropped > 0 ? "; it is another one, which trials chose, and the snapshots of the one before (" +
@@ -200,6 +201,7 @@ bool Services::reset(std_srvs::TriggerResponse& response) {
 bool Services::pause(bool paused, std_srvs::SetBoolResponse& response) {
   return perform(response, [&] {
     stepper_.setPaused(paused);
+    if (paused) stepper_.showStop();
     return paused ? "paused" : "running";
   });
 }
@@ -214,7 +216,7 @@ bool Services::step(std::uint32_t count, StepResponse& response) {
     const std::string obstacle = stepper_.obstacle();
     if (!obstacle.empty()) throw InputError(obstacle);
     const std::uint32_t taken = stepper_.takeSteps(count);
-    stepper_.show();
+    stepper_.showResult();
     const simulation::Statistics statistics = stepper_.simulation()->statistics();
     response.simulation_time = statistics.simulation_time;
     response.energy = statistics.kinetic_energy + statistics.elastic_energy + statistics.potential_energy;
@@ -243,7 +245,7 @@ bool Services::select(const SelectRegionRequest& request, bool pinned, SelectReg
     if (response.count == 0)
       throw InputError(std::string("no ") + (pinned ? "" : "pinned ") + "simulation point lies " +
                        (request.outside ? "outside of" : "in") + " the shape; nothing was changed");
-    stepper_.show();
+    stepper_.showResult();
     return std::to_string(response.count) + " simulation points " + (pinned ? "pinned" : "freed");
   });
 }
@@ -254,7 +256,7 @@ bool Services::edit(const EditParticlesRequest& request, EditParticlesResponse& 
     stepper_.requireFree();
     const simulation::ParticleEdit edit = readEdit(request, stepper_.frame(), transforms_);
     for (const Index id : stepper_.simulation()->editParticles(edit)) response.added.push_back(static_cast<std::uint32_t>(id));
-    stepper_.show();
+    stepper_.showResult();
     return std::to_string(std::max(edit.ids.size(), response.added.size())) + " particles edited, " +
            std::to_string(stepper_.simulation()->state().size()) + " are there";
   });
@@ -294,7 +296,7 @@ bool Services::restore(const std::string& name, RestoreResponse& response) {
   perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     stepper_.restoreSnapshot(name);
-    stepper_.show();
+    stepper_.showResult();
     response.simulation_time = stepper_.simulation()->time();
     response.state_hash = stepper_.simulation()->stateHash();
     return "the surface is as in " + name;

@@ -173,7 +173,7 @@ void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
   simulation_ = std::move(simulation);
   simulation_->setInterrupt(inbox_.endingStep());
   is_as_built_ = false;
-  show();
+  showResult();
 }
 
 void Stepper::requireFree() const {
@@ -255,6 +255,7 @@ bool Stepper::takeStep() {
     is_failed_ = true;
     warnings_.report(Warning::kStep,
                      outcome.problem + "; the simulation is paused, ~pause false tries again, ~reset starts over");
+    showStop();
     return false;
   }
   ++counts_.steps_taken;

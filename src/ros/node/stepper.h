@@ -78,8 +78,12 @@ class Stepper {
   void reset();
   /// Takes up to count steps now and returns how many; fewer if one failed or the node is shutting down.
   std::uint32_t takeSteps(std::uint32_t count);
-  /// Shows all of it on request.
-  void show();
+  /// Shows all of it after a call that changed it. Later subscribers get it, too: it is latched.
+  void showResult();
+  /// The state in which steps stopped, for those who do not have it. Later subscribers get it, too.
+  void showStop();
+  /// Waits until the last result is published. For any thread but the one of the steps.
+  void waitForResult() { frames_.waitForResult(); }
   /// Stores the surface as it is now; restores it with its forces and tools. Both throw InputError.
   void keepSnapshot(const std::string& name);
   void restoreSnapshot(const std::string& name);
@@ -141,7 +145,8 @@ class Stepper {
 
   // In stepper_output.cpp:
   Moment makeMoment();
-  void show(std::int64_t stamp);
+  void show();
+  void show(std::int64_t stamp, bool is_result = false);
   std::int64_t outputStamp() const;
   bool isWanted() const;
   void publishWrenches();

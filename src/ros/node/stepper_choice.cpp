@@ -47,7 +47,7 @@ void Stepper::handleChoice() {
   ROS_INFO_STREAM(warnings_.name() << ": the surface begins anew with what trials chose: " << chosen);
   restart(now_);
   if (now_ != 0) resumeAt(now_, 0);
-  show();
+  showResult();
 }
 
 // At rest, with what trials have chosen meanwhile.

@@ -36,7 +36,7 @@ void Stepper::handleClock(const ClockChange& clock) {
           (waitsUntilLater(now_) ? ", where it stays until " + formatReal(toSeconds(schedule_.begin(0) + delay_)) +
                                        " s, the stamp of its cloud, for a recording that begins anew; ~reset begins at once"
                                  : ""));
-  show();
+  showResult();
 }
 
 // Before the surface begins anew, or another one comes.

@@ -61,7 +61,16 @@ bool Stepper::isWanted() const {
 
 void Stepper::show() { show(outputStamp()); }
 
-void Stepper::show(std::int64_t stamp) {
+void Stepper::showResult() { show(outputStamp(), true); }
+
+void Stepper::showStop() {
+  if (!simulation_ || new_viewer_) return;
+  Moment moment = makeMoment();
+  moment.is_kept = moment.is_result = true;
+  frames_.show(std::move(moment));
+}
+
+void Stepper::show(std::int64_t stamp, bool is_result) {
   Moment moment = makeMoment();
   moment.stamp = stamp;
   if (new_viewer_) {
@@ -70,6 +79,7 @@ void Stepper::show(std::int64_t stamp) {
     moment.frame = frame_;
   }
   moment.all = moment.is_kept = true;
+  moment.is_result = is_result;
   frames_.show(std::move(moment));
   publishWrenches();
 }

@@ -54,6 +54,64 @@ TEST(Publishing, MakesOnlyWhatSomebodyListensTo) {
   EXPECT_EQ(with, 0);
 }
 
+// The first message that a new subscriber gets is the latched one.
+sensor_msgs::PointCloud2ConstPtr takeLatched(ros::NodeHandle& node) {
+  sensor_msgs::PointCloud2ConstPtr first;
+  const ros::Subscriber deformed = node.subscribe<PointCloud2>("deformed", 10, [&](const sensor_msgs::PointCloud2ConstPtr& m) {
+    if (!first) first = m;
+  });
+  const bool has_come = waitUntil([&] { return first != nullptr; });
+  EXPECT_TRUE(has_come);
+  return first;
+}
+
+TEST(Publishing, LatchesTheStateThatACallAnswered) {
+  NodeProcess process("/waited", "{model: mass_spring, gravity: [0, 0, -1], output: {stamp: simulation}}");
+  ros::NodeHandle node("/waited");
+  ros::Publisher cloud = node.advertise<PointCloud2>("cloud_in", 1);
+  const auto call = [&](const char* name, auto service) {
+    EXPECT_TRUE(ros::service::call(node.resolveName(name), service)) << process.output();
+    EXPECT_TRUE(service.response.success) << service.response.message;
+    return service.response;
+  };
+  ASSERT_TRUE(waitUntil([&] { return cloud.getNumSubscribers() > 0; })) << process.output();
+  ASSERT_TRUE(ros::service::waitForService(node.resolveName("pause"), ros::Duration(60)));
+  std_srvs::SetBool pause;
+  pause.request.data = true;
+  call("pause", pause);
+  const PointCloud2 sheet = makeStampedSheet();
+  cloud.publish(sheet);
+  ASSERT_TRUE(takeLatched(node)) << process.output();
+  Step step;
+  step.request.count = 5;
+  for (int k = 0; k < 4; ++k) {
+    // The steps before the last call are shown to nobody.
+    call("step", step);
+    const double time = call("step", step).simulation_time;
+    const sensor_msgs::PointCloud2ConstPtr latched = takeLatched(node);
+    ASSERT_TRUE(latched);
+    EXPECT_NEAR((latched->header.stamp - sheet.header.stamp).toSec(), time, 1e-6);
+  }
+  call("reset", std_srvs::Trigger());
+  sensor_msgs::PointCloud2ConstPtr latched = takeLatched(node);
+  ASSERT_TRUE(latched);
+  EXPECT_EQ(latched->header.stamp, sheet.header.stamp);
+
+  pause.request.data = false;
+  call("pause", pause);
+  std::uint64_t steps = 0;
+  {
+    const ros::Subscriber statistics =
+        node.subscribe<Statistics>("statistics", 100, [&](const StatisticsConstPtr& m) { steps = m->step; });
+    ASSERT_TRUE(waitUntil([&] { return steps > 20; })) << process.output();
+  }
+  pause.request.data = true;
+  call("pause", pause);
+  latched = takeLatched(node);
+  ASSERT_TRUE(latched);
+  EXPECT_GT((latched->header.stamp - sheet.header.stamp).toSec(), 0.0);
+}
+
 TEST(Publishing, SendsEveryMessageOfMarkersWholeAndLatched) {
   NodeProcess process("/marked",
                       "{model: mass_spring, gravity: [0, 0, -1], sleep: {mode: never}, "
