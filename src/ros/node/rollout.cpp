@@ -63,6 +63,9 @@ void setTool(const ToolPath& given, const std::string& surface_frame, const tf2:
   for (std::size_t k = 0; k < given.times.size(); ++k) {
     if (!(given.times[k] >= 0.0))
       throw InputError("times[" + std::to_string(k) + "]: found " + formatReal(given.times[k]) + "; accepted: numbers >= 0 (s)");
+    if (k > 0 && !(given.times[k] > given.times[k - 1]))
+      throw InputError("times[" + std::to_string(k) + "]: found " + formatReal(given.times[k]) + " after " +
+                       formatReal(given.times[k - 1]) + "; accepted: ascending times");
     const Eigen::Isometry3d pose = transform * readPose(given.poses[k]);
     tool.path.push_back(makeWaypoint(now + given.times[k], {pose.translation(), Eigen::Quaterniond(pose.linear())}));
   }

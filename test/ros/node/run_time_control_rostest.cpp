@@ -282,6 +282,15 @@ TEST_F(RunTimeControlTest, RolloutsAreCancelledRefusedAndTellTheirProgress) {
   wrong.tools.resize(1);
   wrong.tools[0].tool = makeBall();
   EXPECT_NE(refusalOf(wrong).find("tool 'ball' found 0 times"), std::string::npos) << refusalOf(wrong);
+  // After some steps: times are told as they were sent.
+  ASSERT_TRUE(client_->pause(true).success);
+  ASSERT_TRUE(client_->step(20).success);
+  wrong = makeGoal(0.1);
+  wrong.tools.resize(1);
+  wrong.tools[0].tool = makeBall();
+  wrong.tools[0].times = {0.4, 0.0};
+  wrong.tools[0].poses.assign(2, wrong.tools[0].tool.pose);
+  EXPECT_EQ(refusalOf(wrong), "tool 'ball' times[1]: found 0.0 after 0.4; accepted: ascending times");
   wrong = makeGoal(std::nan(""));
   EXPECT_NE(refusalOf(wrong).find("duration"), std::string::npos);
 }
