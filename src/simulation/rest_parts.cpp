@@ -207,6 +207,11 @@ std::vector<Index> findInside(const Points& dense, const Contains& contains) {
   return inside;
 }
 
+[[noreturn]] void refusePin(std::size_t p, const Points& dense) {
+  throw InputError("pins[" + std::to_string(p) + "]: the shape holds none of the " +
+                   count(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
+}
+
 void sortUnique(std::vector<Index>& points) {
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
@@ -218,9 +223,7 @@ std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dens
   std::vector<Index> chosen;
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
     const std::vector<Index> inside = findInside(dense, [&](const Vec3& x) { return params.pins[p].region.contains(x); });
-    if (inside.empty())
-      throw InputError("pins[" + std::to_string(p) + "]: the shape holds none of the " +
-                       count(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
+    if (inside.empty()) refusePin(p, dense);
     chooseFarthest(inside, dense, chosen);
   }
   sortUnique(chosen);
@@ -293,10 +296,12 @@ void applyPins(const SceneParams& params, RestSurface& s) {
       if (params.pins[p].orientation) s.pinned_turns[i] = 1;
       holds_any = true;
     }
-    if (!holds_any)
-      throw InputError("pins[" + std::to_string(p) +
-                       "]: the points it holds belong to no surface (they are too far from all others); "
-                       "accepted: a shape that holds a point of the surface");
+    if (holds_any) continue;
+    const auto isHeld = [&](const Vec3& x) { return params.pins[p].region.contains(x); };
+    if (findInside(s.dense.positions, isHeld).empty()) refusePin(p, s.dense.positions);
+    throw InputError("pins[" + std::to_string(p) +
+                     "]: the points it holds belong to no surface (they are too far from all others); "
+                     "accepted: a shape that holds a point of the surface");
   }
   if (params.input.unconstrained_parts == UnconstrainedParts::kFreeze) freezeUnconstrained(params, s);
   if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())

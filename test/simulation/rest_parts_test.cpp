@@ -46,6 +46,19 @@ TEST(RestParts, PointsThatSinglePrecisionMakesTheSameAreWarnedOf) {
   }
 }
 
+TEST(RestParts, AShapeOfAPinThatHoldsNoPointIsRefusedInTheSameWordsByAllModels) {
+  for (const char* model : {"mass_spring", "oriented_particles", "elastic_solid"}) {
+    SceneParams params;
+    params.model = model;
+    params.pins.emplace_back();
+    params.pins[0].region.min = Vec3(-9.0, -9.0, -9.0);
+    params.pins[0].region.max = Vec3(-8.0, -8.0, -8.0);
+    EXPECT_EQ(problemOf(params, sheetCloud(10)),
+              "pins[0]: the shape holds none of the 100 points at rest; accepted: a shape that holds at least one")
+        << model;
+  }
+}
+
 TEST(RestParts, OutputsThatAreTooCoarseForTheSpacingAreWarnedOf) {
   const auto findWarnings = [](double offset) {
     Points points;
