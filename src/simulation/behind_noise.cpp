@@ -27,11 +27,11 @@ std::string formatLength(double length) {
   return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
 }
 
-// No depth camera sees so far, and few surfaces are as large. In millimetres, a metre is a thousand. Points that are farther away
-// than any lens shows them apart have the coordinates of a map.
+// No depth camera sees so far, and few surfaces and bodies are as large. In millimetres, a metre is a thousand. Points that are
+// farther away than any lens shows them apart have the coordinates of a map.
 void warnOfUnits(const cloud::SensorNoise& noise, RestSurface& s) {
-  constexpr double kFarthest = 50.0, kLargest = 100.0;  // m
-  constexpr double kMap = 1000.0;                       // times the length of the cloud
+  constexpr double kFarthest = 50.0, kLargest = 50.0;  // m
+  constexpr double kMap = 1000.0;                      // times the length of the cloud
   const char* const kAdvice = ": lengths are in metres, and these look like millimetres (of a file: cloud.scale 0.001)";
   Eigen::AlignedBox3d box;
   for (const Vec3& p : s.dense.positions) box.extend(p);
@@ -96,9 +96,12 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
   return noise.is_seen ? std::optional<Vec3>(noise.eye) : input.viewpoint;
 }
 
+void warnOfUnits(RestSurface& s) { warnOfUnits(cloud::SensorNoise(), s); }
+
 void warnOfNoisyBody(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
-  if (input.height < 2) return;  // no image
-  const cloud::SensorNoise noise = cloud::findSensorNoise(input, s.dense, params.noise);
+  const bool is_image = input.height > 1;
+  const cloud::SensorNoise noise = is_image ? cloud::findSensorNoise(input, s.dense, params.noise) : cloud::SensorNoise();
+  warnOfUnits(noise, s);
   if (!noise.is_image || noise.surface.empty()) return;
   s.warnings.push_back("the cloud is the image of a surface with noise of " + formatLength(noise.deviation) +
                        ", which elastic_solid.fill: false takes for the thickness of a body (accepted: points all through the "

@@ -11,6 +11,9 @@ namespace deformable_surface::simulation {
 /// known.
 std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, RestSurface& s);
 
+/// Warns of lengths that look like millimetres. The others here do so, too.
+void warnOfUnits(RestSurface& s);
+
 /// Warns if a cloud that should fill a body is the noisy image of a surface.
 void warnOfNoisyBody(const InputParams& params, const cloud::PointCloud& input, RestSurface& s);
 

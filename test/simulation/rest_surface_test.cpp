@@ -215,6 +215,49 @@ TEST(RestSurface, TellsOfGivenNormalsThatItTurns) {
   EXPECT_TRUE(tells("3 given normals point to the other side of the surface than most, and were turned"));
 }
 
+// By one rule for all models.
+TEST(RestSurface, LengthsThatLookLikeMillimetresAreWarnedOf) {
+  for (const char* model : {"mass_spring", "oriented_particles", "elastic_solid"}) {
+    for (const double scale : {0.02, 20.0, 60.0}) {
+      Points points = makeSheet(14, 14, scale, scale, 0.2).points;
+      if (std::string(model) == "elastic_solid")
+        for (int layer = 1; layer < 5; ++layer)
+          for (Index i = 0; i < 14 * 14; ++i) points.push_back(points[i] + layer * scale / 14.0 * Vec3::UnitZ());
+      SceneParams params;
+      params.model = model;
+      const RestSurface s = simulation::buildRestSurface(params, asCloud(points));
+      const bool is_told = std::any_of(s.warnings.begin(), s.warnings.end(), [](const std::string& w) {
+        return w.find("m long: lengths are in metres, and these look like millimetres") != std::string::npos;
+      });
+      EXPECT_EQ(is_told, scale > 50.0) << model << " of " << scale << " m";
+    }
+  }
+}
+
+TEST(RestSurface, TellsThatAPathTurnsByHalfATurnAtOnce) {
+  const auto listNotes = [](const std::vector<tool::WaypointParams>& path) {
+    SceneParams params;
+    params.tools.emplace_back();
+    params.tools[0].id = "hand";
+    params.tools[0].path = path;
+    params.pins.emplace_back();
+    params.pins[0].region.min = Vec3(-0.001, -1.0, -1.0);
+    params.pins[0].region.max = Vec3(0.001, 1.0, 1.0);
+    params.pins[0].path = path;
+    std::string all;
+    for (const std::string& note : simulation::buildRestSurface(params, asCloud(makeSheet(12, 12, 1.0, 1.0, 0.2).points)).notes)
+      if (note.find("180 degrees") != std::string::npos) all += note + "\n";
+    return all;
+  };
+  const Vec4 none(0.0, 0.0, 0.0, 1.0), half(0.7071, 0.7071, 0.0, 0.0), nearly(std::sin(1.56), 0.0, 0.0, std::cos(1.56));
+  const std::string told =
+      " from 0.5 to 2.0 s the path turns by 180 degrees, and both ways round are as short: a waypoint between "
+      "tells which\n";
+  EXPECT_EQ(listNotes({{0.0, Vec3::Zero(), none}, {0.5, Vec3::Zero(), none}, {2.0, Vec3::Zero(), half}}),
+            "tool 'hand':" + told + "pins[0]:" + told);
+  EXPECT_EQ(listNotes({{0.0, Vec3::Zero(), none}, {2.0, Vec3::Zero(), nearly}}), "");
+}
+
 TEST(RestSurface, TellsThatPointsLieInRows) {
   const auto warns = [](double apart) {
     const Points points = makeSheet(40, 30, 39.0, 29.0 * apart, 0.1).points;

@@ -280,6 +280,7 @@ void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, Re
 RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose) {
   RestSurface s = cleanInput(input);
   const bool is_curve = params.oriented_particles.mode == model::ParticleMode::kPlane;
+  if (is_curve) warnOfUnits(s);
   const std::optional<Vec3> viewpoint = is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
   leaveOutParts(params, findNeighbors, s);
   FoundNeighbors found = findNeighbors(params, s);
