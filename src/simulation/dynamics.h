@@ -149,6 +149,8 @@ class Dynamics {
   std::vector<PinReaction> pinReactions() const;
   /// Where contact of the surface with itself stopped points in the last step, and what acts there; none: nowhere.
   std::optional<Jam> findJam() const;
+  /// The largest distance, m, of a point that contact stopped in the last step from where a tool or a moving pin would hold it.
+  double measureLag() const;
 
   /// See ContactLoad.
   void adoptArrivals(const ContactLoad& other) { loads_.contact.adoptArrivals(other); }

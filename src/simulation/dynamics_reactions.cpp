@@ -132,6 +132,21 @@ std::optional<Jam> Dynamics::findJam() const {
   return jam;
 }
 
+double Dynamics::measureLag() const {
+  const SelfContactLoads* const self = loads_.self_contact.get();
+  if (!self || self->numStopped() == 0) return 0.0;
+  double lag = 0.0;
+  for (const Grips::Grip& grip : grips_.all()) {
+    const tool::Pose pose = tool::interpolate(grip.tool.path, time());
+    for (std::size_t k = 0; k < grip.points.size(); ++k) {
+      const Index i = grip.points[k];
+      if (!self->limit.stopped()[i]) continue;
+      lag = std::max(lag, (now_.points.positions[i] - pose.position - pose.orientation * grip.places[k]).norm());
+    }
+  }
+  return lag;
+}
+
 bool Dynamics::hasSnapped() const {
   // Many times the motion that falling asleep may leave.
   constexpr double kStretched = 1e-3;

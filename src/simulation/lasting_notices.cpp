@@ -4,6 +4,7 @@
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -16,13 +17,12 @@ constexpr std::size_t kMostCauses = 8;  // that are put off with their words; th
 
 }  // namespace
 
-bool LastingNotices::see(Lasting what, double size) {
+bool LastingNotices::see(Lasting what, double size, bool matters) {
   Span& span = spans_[static_cast<int>(what)];
-  const bool begins = !span.is_on;
-  if (begins) span = Span();
+  if (!span.is_on) span = Span();
   span.is_on = span.is_in_step = true;
   span.largest = std::max(span.largest, size);
-  return begins;
+  return matters && !std::exchange(span.is_told, true);
 }
 
 std::string LastingNotices::endStep(double time, double step, bool is_static, const std::string& told) {
@@ -38,8 +38,9 @@ std::string LastingNotices::endStep(double time, double step, bool is_static, co
       span.steps = span.all;
       span.is_in_step = false;
     } else if (is_static || time + step - span.end >= kQuiet) {
-      appendNotice(notice, describe(static_cast<Lasting>(k), span) +
-                               (is_static ? "; in this step no longer" : "; none in the last " + formatShort(kQuiet) + " s"));
+      if (span.is_told)
+        appendNotice(notice, describe(static_cast<Lasting>(k), span) +
+                                 (is_static ? "; in this step no longer" : "; none in the last " + formatShort(kQuiet) + " s"));
       span = Span();
     }
   }
@@ -98,7 +99,7 @@ std::string LastingNotices::describePutOff() const {
 std::string LastingNotices::endRun() const {
   std::string line = describePutOff();
   for (int k = 0; k < kNumLasting; ++k)
-    if (spans_[k].is_on) appendNotice(line, describe(static_cast<Lasting>(k), spans_[k]));
+    if (spans_[k].is_on && spans_[k].is_told) appendNotice(line, describe(static_cast<Lasting>(k), spans_[k]));
   return line;
 }
 

@@ -25,8 +25,9 @@ constexpr int kNumLasting = 5;
 class LastingNotices {
  public:
   /// The step is one in which this is so. size: how much of it (points, a share of forces), of which the largest is told in the
-  /// end; 0: it has no size. Returns whether it begins, which the caller then puts into words.
-  bool see(Lasting what, double size = 0.0);
+  /// end; 0: it has no size. matters: to the user. What never did is not told. Returns whether it begins to be told, which the
+  /// caller then puts into words.
+  bool see(Lasting what, double size = 0.0, bool matters = true);
   /// Ends a step from time to time + step, s: told is what there is to say of it so far. Returns what is to be said, with what
   /// has ended because it was not seen for a while (is_static: in this step).
   std::string endStep(double time, double step, bool is_static, const std::string& told);
@@ -36,7 +37,7 @@ class LastingNotices {
 
  private:
   struct Span {
-    bool is_on = false, is_in_step = false;
+    bool is_on = false, is_in_step = false, is_told = false;
     double begin = 0.0, end = 0.0;     // s, of the first and the last step in which it was so
     std::uint64_t seen = 0;            // such steps
     std::uint64_t steps = 0, all = 0;  // steps from the first to the last one, and to now

@@ -88,6 +88,42 @@ TEST(Jam, PinsThatPressAreNamedOnceAndTheEndIsTold) {
   }
 }
 
+// A patch of 3 by 3 points falls onto a layer, in the middle.
+TEST(Jam, OfFewPointsNothingIsTold) {
+  SceneParams p = stackScene(Type::kVerlet);
+  p.pins.resize(1);
+  p.pins[0].region.min = Vec3(-1.0, -1.0, -0.001);
+  p.pins[0].region.max = Vec3(1.0, 1.0, 0.001);
+  cloud::PointCloud cloud = stackLayers(1);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) cloud.positions.emplace_back(0.02 + kSpacing * i, 0.02 + kSpacing * j, kGap);
+  cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
+  Simulation s(p, cloud);
+  model::State state = s.state();
+  for (Index i = 0; i < state.size(); ++i)
+    if (state.positions[i].z() > 0.5 * kGap) state.velocities[i] = Vec3(0.0, 0.0, -8.0);
+  s.setState(state);
+  std::string told;
+  for (int k = 0; k < 20; ++k) told += s.step().notice;
+  EXPECT_GT(s.statistics().stopped_steps, 0u);
+  EXPECT_EQ(told + s.lastingNotices(), "");
+}
+
+TEST(Jam, FewPointsThatContactHoldsBackFarFromTheirPathAreTold) {
+  SceneParams p = pressedByPins(Type::kVerlet);
+  p.pins[1].region.max = Vec3(0.016, 0.012, kGap + 0.001);
+  Simulation s(p, stackLayers(2));
+  std::string told;
+  Index most = 0;
+  for (int k = 0; k < 60; ++k) {
+    told += s.step().notice;
+    most = std::max(most, static_cast<Index>(s.statistics().stopped_points));
+  }
+  EXPECT_LT(most, 15);
+  EXPECT_TRUE(has(told, "slower paths of what pushes and holds, and more room between, help")) << told << most;
+  EXPECT_TRUE(has(told, "moving pins[1] holds")) << told;
+}
+
 TEST(Jam, AfterAResetItIsToldAgain) {
   const SceneParams p = pressedByPins(Type::kVerlet);
   Simulation s(p, stackLayers(2));

@@ -37,6 +37,26 @@ TEST(LastingNotices, WhatLastsIsToldAtItsBeginningAndAfterItsEnd) {
   EXPECT_EQ(notices.endRun(), "");
 }
 
+TEST(LastingNotices, WhatDoesNotMatterIsToldNeitherAtItsBeginningNorAtItsEnd) {
+  for (const int matters_from : {1000, 120}) {
+    LastingNotices notices;
+    const auto see = [&](int k) {
+      return k >= 50 && k < 250 && notices.see(Lasting::kStopped, 3, k >= matters_from)
+                 ? "it matters in step " + std::to_string(k)
+                 : "";
+    };
+    const auto lines = listLines(notices, 240, see);
+    if (matters_from > 240) {
+      EXPECT_TRUE(lines.empty());
+      EXPECT_EQ(notices.endRun(), "");
+    } else {
+      EXPECT_EQ(lines, std::vector<std::string>{"it matters in step 120"});
+      EXPECT_EQ(notices.endRun(),
+                "contact limited the motion of points in 190 of 190 steps, from 0.5 to 2.4 s, at most 3 in a step");
+    }
+  }
+}
+
 TEST(LastingNotices, WhatLastsToTheEndOfTheRunIsCountedThere) {
   LastingNotices notices;
   const auto lines =
