@@ -288,13 +288,15 @@ void followSimulationPoints(const SceneParams& params, RestSurface& s) {
                                   params.transfer, is_euclidean ? nullptr : &followed);
 }
 
-void noteFollowing(RestSurface& s) {
+void noteFollowing(RestSurface& s, bool will_grow) {
   if (s.transfer.numDegenerate() > 0)
     s.notes.push_back(count(s.transfer.numDegenerate(),
                             "points of the cloud follow simulation points that lie in one line; across it they move rigidly"));
+  const Index links = static_cast<Index>(stretchLinksOf(*s.model).size() + bendLinksOf(*s.model).size());
   s.notes.push_back(count(static_cast<Index>(s.dense.positions.size()), "points, ") +
-                    count(static_cast<Index>(s.points.size()), "simulation points, ") +
-                    count(static_cast<Index>(stretchLinksOf(*s.model).size() + bendLinksOf(*s.model).size()), "links, ") +
+                    count(static_cast<Index>(s.points.size()),
+                          will_grow ? "simulation points before the surface is grown, " : "simulation points, ") +
+                    (will_grow ? "" : count(links, "links, ")) +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }
 

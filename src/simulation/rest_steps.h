@@ -45,7 +45,7 @@ void takePoints(const cloud::CleanCloud& dense, const std::vector<Index>& kept, 
 
 /// The transfer from the simulation points to the dense ones.
 void followSimulationPoints(const SceneParams& params, RestSurface& s);
-/// The notes on it, and that counts what there is.
-void noteFollowing(RestSurface& s);
+/// The notes on it, and that counts what there is. will_grow: there are no links yet.
+void noteFollowing(RestSurface& s, bool will_grow = false);
 
 }  // namespace deformable_surface::simulation

@@ -4,6 +4,7 @@
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/simulation/contact_load.h"
+#include "deformable_surface/simulation/model_kind.h"
 
 #include <algorithm>
 #include <cmath>
@@ -177,9 +178,13 @@ void noteUnconstrained(const SceneParams& params, RestSurface& s) {
     if (!is_held[p]) sizes.push_back(parts.size[p]);
   const Index loose = static_cast<Index>(sizes.size());
   if (loose == 0) return;
+  // Samples are no parts of a surface yet: one that is grown through them joins them.
+  const bool will_grow = findModel(params.model).traits().is_oriented && params.oriented_particles.grow_surface;
+  if (will_grow) sizes.clear();
+  if (will_grow && loose < parts.count()) return;
   if (loose == parts.count()) {
     const std::string all =
-        loose == 1 ? "" : ", " + count(loose, "parts of ") + listSizes(std::move(sizes)) + " simulation points";
+        loose == 1 || will_grow ? "" : ", " + count(loose, "parts of ") + listSizes(std::move(sizes)) + " simulation points";
     s.notes.push_back("no pin, anchor or tool holds what is simulated" + all + ": it moves freely");
     return;
   }

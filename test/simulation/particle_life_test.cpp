@@ -150,6 +150,30 @@ TEST(ParticleLife, GrownSurfacesThatArePinnedBeginAtRest) {
   EXPECT_LT(simulation::computeQuantity("max_speed", s), 0.01);
 }
 
+// Samples are not yet the surface: their links and parts are not told.
+TEST(ParticleLife, NotesOfAGrownSurfaceDoNotCountItsSamplesParts) {
+  for (const bool is_held : {false, true}) {
+    simulation::SceneParams p = particleSheet();
+    p.pins.resize(is_held ? 1 : 0);
+    if (is_held) {
+      p.pins[0].region.min = Vec3(-0.001, -1.0, -1.0);
+      p.pins[0].region.max = Vec3(0.001, 1.0, 1.0);
+    }
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+    p.gravity.setZero();
+    p.oriented_particles.spacing = 0.05;
+    p.oriented_particles.grow_surface = true;
+    const simulation::Simulation s(p, sheetCloud(8));
+    std::string all;
+    for (const std::vector<std::string>& sentences : {s.buildNotes(), s.buildWarnings()})
+      for (const std::string& sentence : sentences) all += sentence + "\n";
+    EXPECT_NE(all.find("a surface is grown"), std::string::npos) << all;
+    EXPECT_NE(all.find("64 points, 64 simulation points before the surface is grown, "), std::string::npos) << all;
+    EXPECT_EQ(all.find(" parts of "), std::string::npos) << all;
+    EXPECT_EQ(all.find("no pin, anchor or tool holds what is simulated: it moves freely") == std::string::npos, is_held) << all;
+  }
+}
+
 // What growth leaves undone is a warning, with the number that ended it, or the place.
 TEST(ParticleLife, GrowthThatIsNotCompleteIsAWarning) {
   const auto warningOf = [](const std::function<void(simulation::SceneParams&, cloud::PointCloud&)>& change) {

@@ -305,7 +305,7 @@ RestSurface finishParticlesRest(const SceneParams& params, RestSurface s, const 
   if (choose) takeSimulationPoints(params, s.order.keepCount(choose(s)), s);
   buildParticles(params, s);
   followSimulationPoints(params, s);
-  noteFollowing(s);
+  noteFollowing(s, params.oriented_particles.grow_surface);
   return s;
 }
 
