@@ -1,5 +1,6 @@
 #include "deformable_surface/simulation/rest_surface.h"
 
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/near_points.h"
 #include "deformable_surface/simulation/model_kind.h"
@@ -16,6 +17,7 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr double kFarAnchor = 5.0;  // spacings: the nearest simulation point is nearer also where few points are simulated
+constexpr double kHalfTurn = 2e-3;  // rad from 180 degrees: orientations are written with three digits and more
 
 void noteFarAnchors(const SceneParams& params, RestSurface& s) {
   if (params.anchors.empty() || s.points.empty()) return;
@@ -32,7 +34,21 @@ void noteFarAnchors(const SceneParams& params, RestSurface& s) {
   }
 }
 
+// Quaternions cannot tell turns by 180 degrees and more apart.
+void noteHalfTurns(const std::string& name, const std::vector<tool::WaypointParams>& path, RestSurface& s) {
+  for (std::size_t k = 1; k < path.size(); ++k)
+    if (std::abs(path[k].orientation.normalized().dot(path[k - 1].orientation.normalized())) < std::sin(0.5 * kHalfTurn))
+      s.notes.push_back(name + ": from " + formatReal(path[k - 1].time) + " to " + formatReal(path[k].time) +
+                        " s the path turns by 180 degrees, and both ways round are as short: a waypoint between tells which");
+}
+
+void noteHalfTurns(const SceneParams& params, RestSurface& s) {
+  for (const tool::ToolParams& tool : params.tools) noteHalfTurns("tool " + quote(tool.id), tool.path, s);
+  for (std::size_t p = 0; p < params.pins.size(); ++p) noteHalfTurns("pins[" + std::to_string(p) + "]", params.pins[p].path, s);
+}
+
 void addNotes(const SceneParams& params, RestSurface& s) {
+  noteHalfTurns(params, s);
   noteUnconstrained(params, s);
   noteFarAnchors(params, s);
   warnOfClosePoints(s);
