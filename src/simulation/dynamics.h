@@ -133,6 +133,8 @@ class Dynamics {
   double energyExcess() const { return lastMarch().memory().energy.excess; }
   std::uint64_t stateHash() const;
   const std::vector<char>& pinned() const { return now_.pinned; }
+  /// Index of the first pin of the scene that holds a point at rest; the number of pins if there is none.
+  std::size_t findPin(Index point) const;
   const std::vector<char>& held() const { return held_; }  // (n) pinned, gripped or held by the evolution
   const std::vector<tool::ToolParams>& tools() const { return tools_; }
   Index numOwnMaterial() const;
@@ -175,7 +177,6 @@ class Dynamics {
   std::vector<Index> clampPin(const std::vector<char>& inside, const Contains& contains);
   std::string clampGrips(const std::vector<std::size_t>& begun);
   void endClamps();
-  std::size_t findPin(Index point) const;
   void setTools(std::vector<tool::ToolParams> tools);
   void giveContactTools();
   void placePointsBetween();

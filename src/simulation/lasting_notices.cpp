@@ -4,7 +4,10 @@
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "stretch_watch.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -58,6 +61,9 @@ std::string LastingNotices::describe(Lasting what, const Span& span) {
     case Lasting::kUnbalanced:
       return "forces were left unbalanced in " + where + ", at most " + formatShort(span.largest) + " of the largest force";
     case Lasting::kUntracked: return "less than half of the points that were tracked before were tracked in " + where;
+    case Lasting::kStretched:
+      return "the largest stretch was above " + formatShort(100.0 * StretchWatch::kMost) + " % in " + where + ", at most " +
+             std::to_string(std::llround(100.0 * span.largest)) + " %";
   }
   return "";
 }

@@ -18,15 +18,16 @@ enum class Lasting {
   kHalted,      // contact took all motion from the parts that it stopped
   kRetried,     // steps were not sound at first, and were taken again
   kUnbalanced,  // the solver ended with forces unbalanced
-  kUntracked    // the tracked cloud shows few of the points that it has shown before
+  kUntracked,   // the tracked cloud shows few of the points that it has shown before
+  kStretched    // the surface or body is stretched beyond its material law
 };
-constexpr int kNumLasting = 5;
+constexpr int kNumLasting = 6;
 
 class LastingNotices {
  public:
-  /// The step is one in which this is so. size: how much of it (points, a share of forces), of which the largest is told in the
-  /// end; 0: it has no size. matters: to the user. What never did is not told. Returns whether it begins to be told, which the
-  /// caller then puts into words.
+  /// The step is one in which this is so. size: how much of it (points, a share of forces, a stretch), of which the largest is
+  /// told in the end; 0: it has no size. matters: to the user. What never did is not told. Returns whether it begins to be told,
+  /// which the caller then puts into words.
   bool see(Lasting what, double size = 0.0, bool matters = true);
   /// Ends a step from time to time + step, s: told is what there is to say of it so far. Returns what is to be said, with what
   /// has ended because it was not seen for a while (is_static: in this step).

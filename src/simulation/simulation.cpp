@@ -53,6 +53,9 @@ void checkContactThickness(const SceneParams& params, const RestSurface& surface
         "spacing or less is faster");
 }
 
+// What a step takes, as so many sub-steps.
+Index costOf(const solve::SolveReport& report) { return kOfStep + (report.iterations > 0 ? kOfImplicitStep : report.substeps); }
+
 }  // namespace
 
 Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface&& rest, AccuracyChoice&& chosen)
@@ -151,6 +154,7 @@ void Simulation::Impl::reset() {
   trial_notice.clear();
   lasting.clear();
   fallbacks.clear();
+  stretched.clear();
   is_target_missed = is_target_kept = was_commanded = is_passage_told = false;
   substeps_since_look = 0;
   largest_error = 0.0;
@@ -189,6 +193,7 @@ StepOutcome Simulation::Impl::step() {
   if (taken.ok) {
     appendNotice(outcome.notice, tellTargetKept());
     appendNotice(outcome.notice, tellWhatLasts(taken));
+    appendNotice(outcome.notice, tellStretch(taken));
     if (!taken.has_slept) appendNotice(outcome.notice, tellPassage(taken));
     if (fallbacks.endStep(dynamics().time(), dt, taken.report.fallbacks > 0))
       appendNotice(outcome.notice, describeFallbacks(dynamics().lastIntegrator(), fallbacks.count(), fallbacks.steps()));
@@ -248,13 +253,26 @@ void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
   is_target_missed = true;
 }
 
+// At the end of the scene's duration.
+bool Simulation::Impl::isAtEnd() const {
+  const SceneParams& params = dynamics().params();
+  return std::abs(dynamics().time() - params.duration) < 0.5 * params.integrator.time_step;
+}
+
+// Its beginning. Links of oriented particles come and go before they are as long.
+std::string Simulation::Impl::tellStretch(const EstimatedDynamics::Outcome& taken) {
+  if (dynamics().kind().traits().is_oriented) return {};
+  if (!taken.has_slept)
+    stretched.endStep(dynamics().model(), dynamics().state(), costOf(taken.report), taken.is_static || isAtEnd());
+  if (!stretched.isOver() || !lasting.see(Lasting::kStretched, stretched.stretch())) return {};
+  return describeOverstretch(findOverstretch(dynamics()));
+}
+
 // Once. Looks are far apart, so that they take next to no time.
 std::string Simulation::Impl::tellPassage(const EstimatedDynamics::Outcome& taken) {
   if (is_passage_told || !passages) return {};
-  const SceneParams& params = dynamics().params();
-  substeps_since_look += kOfStep + (taken.report.iterations > 0 ? kOfImplicitStep : taken.report.substeps);
-  const bool is_end = std::abs(dynamics().time() - params.duration) < 0.5 * params.integrator.time_step;
-  if (substeps_since_look < kSubstepsPerLook && !taken.is_static && !is_end) return {};
+  substeps_since_look += costOf(taken.report);
+  if (substeps_since_look < kSubstepsPerLook && !taken.is_static && !isAtEnd()) return {};
   substeps_since_look = 0;
   const bool is_surface = dynamics().kind().traits().is_surface;
   const auto found = passages->look(dynamics().state().positions, is_surface ? &trianglesOf(dynamics().model()) : nullptr);

@@ -15,6 +15,7 @@
 #include "frequent_steps.h"
 #include "lasting_notices.h"
 #include "passage_watch.h"
+#include "stretch_watch.h"
 
 namespace deformable_surface::simulation {
 
@@ -59,6 +60,7 @@ struct Simulation::Impl {
   TrackingWatch tracking;         // since the last reset
   LastingNotices lasting;         // since the last reset, fork or snapshot
   FrequentSteps fallbacks;        // to another integrator; since then
+  StretchWatch stretched;         // since then
   std::optional<PassageWatch> passages;  // where contact.self: auto is off; a fork has none
   bool is_passage_told = false;          // since the last reset or snapshot
   Index substeps_since_look = 0;         // at passages
@@ -88,6 +90,8 @@ struct Simulation::Impl {
   void finishStep(EstimatedDynamics::Outcome& taken);
   std::string tellWhatLasts(const EstimatedDynamics::Outcome& taken);
   std::string tellTargetKept();
+  bool isAtEnd() const;
+  std::string tellStretch(const EstimatedDynamics::Outcome& taken);
   std::string tellPassage(const EstimatedDynamics::Outcome& taken);
 
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);

@@ -86,6 +86,7 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   trial_notice.clear();
   lasting.clear();
   fallbacks.clear();
+  stretched.clear();
   tracking.forgetLast();
   is_passage_told = false;
   substeps_since_look = 0;
