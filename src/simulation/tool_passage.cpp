@@ -7,6 +7,7 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr int kMostPieces = 16;   // of the paths of a step
+constexpr double kFast = 0.25;    // widths of the tool in a step
 constexpr double kLasting = 0.2;  // s: a surface that is not back before a tool after that stays behind it
 
 // Whether a point went through a triangle, all with constant velocities.
@@ -66,12 +67,18 @@ bool isWithin(const Vec3& place, const std::vector<model::WeightedTriangle>& tri
   return findWinding(place, triangles, [&](Index i) { return positions[i]; }) > 0.5;
 }
 
+// m, of the surface past a place, both of which move straight: the longest of its points.
+double findWay(const Vec3& from, const Vec3& to, const PassageStep& step) {
+  double way = (to - from).norm();
+  for (std::size_t i = 0; i < step.before.size(); ++i) way = std::max(way, (to - from - step.after[i] + step.before[i]).norm());
+  return way;
+}
+
 // A place and a surface that move straight: how often the place goes through in the direction of the normals, less how often
 // against it. longest: m, of a piece of the paths in which the winding number jumps only there.
 int countCrossings(const Vec3& from, const Vec3& to, const PassageStep& step, double longest) {
   const Points &before = step.before, &after = step.after;
-  double way = (to - from).norm();
-  for (std::size_t i = 0; i < before.size(); ++i) way = std::max(way, (to - from - after[i] + before[i]).norm());
+  const double way = findWay(from, to, step);
   const int pieces = std::clamp(static_cast<int>(std::ceil(std::min(way / longest, 1.0 * kMostPieces))), 1, kMostPieces);
   const auto windingAt = [&](double share) {
     return findWinding(from + share * (to - from), step.triangles,
@@ -106,10 +113,13 @@ Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
       if (!step.has_pressed) return findReason(step);  // nothing of it will be pushed back
     }
   }
+  // Triangles that turn over are not found above. They are fast.
+  const double width = findWidth(step.shape);
+  if (!is_pierced && step.has_pressed) is_pierced = findWay(step.from[0], step.to[0], step) > kFast * width;
   if (!step.had_passed && step.passed.empty() && !is_pierced && !through.isAny()) return Passage::kNone;
   if (!through.isAny()) through.since = step.begins;
   for (std::size_t k = 0; k < step.from.size(); ++k)
-    through.crossings[k] += countCrossings(step.from[k], step.to[k], step, 0.5 * findWidth(step.shape));
+    through.crossings[k] += countCrossings(step.from[k], step.to[k], step, 0.5 * width);
   if (!through.isAny()) return Passage::kNone;
   const bool is_pushed = !step.passed.empty() || step.has_pressed;
   const bool stays = step.is_equilibrium || step.ends - through.since > kLasting;
