@@ -45,6 +45,9 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
 // Of the radius of a cell, which is half of the spacing: less is not deeper. Places on triangles are deeper than their corners on
 // any ball, by the second if its radius is twelve spacings.
 constexpr double kDeeper = 0.01, kDeeperPlace = 0.02;
+// Places on triangles are needed where the surface is stretched by so much, or the tool has so many times the radius of the cell
+// as width. Elsewhere the points carry it, and a mixture of both slid too early over a cylinder.
+constexpr double kStretched = 1.1, kSmall = 4.0;
 constexpr double kThick = 0.5;  // of the same: thinner tools would push places out on the wrong side
 constexpr double kNever = std::numeric_limits<double>::infinity();  // s
 constexpr double kInstant = 1e-9;                                   // of a step: paths may bend where it ends
@@ -222,13 +225,15 @@ void ContactLoad::chooseAlone(const Body& body, double time, const Points& posit
   for (const Passed& passed : body.passed) deepest_[passed.point].depth = std::numeric_limits<double>::infinity();
   const tool::Pose pose = tool::interpolate(body.tool.path, time);
   const Index m = points_.numSimulated();
-  const double thickness = geometry::findSmallestExtent(body.tool.shape);
+  const double thickness = geometry::findSmallestExtent(body.tool.shape), width = findWidth(body.tool.shape);
   Index looked = 0;
   for (const NearCell& near : near_) {
     const Deepest& deepest = deepest_[near.cell];
     if ((deepest.point >= 0 || deepest.has_pressed) && isPadded(near.cell)) continue;
     const double radius = between->radius(near.cell), extent = between->extent(near.cell), more = kDeeper * radius;
-    const bool takes_cloud = choice.cloud && radius > 0.0, takes_places = choice.places && thickness > kThick * extent;
+    const bool takes_cloud = choice.cloud && radius > 0.0;
+    const bool needs_places = width < kSmall * extent || near.reach > kStretched * between->restReach(near.cell);
+    const bool takes_places = choice.places && needs_places && thickness > kThick * extent;
     const double least_of_place = deepest.depth + kDeeperPlace * extent;
     Pressed chosen{-1, deepest.depth + more};
     auto known = std::lower_bound(body.pressed.begin(), body.pressed.end(), m + between->beginSpare(near.cell), isBelow);

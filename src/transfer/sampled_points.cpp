@@ -84,8 +84,10 @@ double SampledPoints::findSpread(Index cell, const Points& simulation) const {
   return std::sqrt(squared);
 }
 
+double SampledPoints::restReach(Index cell) const { return (1.0 + kSmooth) * extent_[cell]; }
+
 double SampledPoints::findReach(Index cell, const Points& simulation_now) const {
-  const double reach = (1.0 + kSmooth) * extent_[cell];
+  const double reach = restReach(cell);
   if (!(spread_[cell] > 0.0)) return reach;
   return reach * std::max(1.0, findSpread(cell, simulation_now) / spread_[cell]);
 }

@@ -57,6 +57,8 @@ class SampledPoints {
   /// Largest present distance, m, of the samples of the cell from its simulation point: that at rest times the local stretch of
   /// the surface, and what a sharp bend can add, which the samples do not follow.
   double findReach(Index cell, const Points& simulation_now) const;
+  /// The same at rest.
+  double restReach(Index cell) const;
 
   /// Position, m, from the present positions (m x 3) of the simulation points.
   Vec3 place(Index s, const Points& simulation_now) const;
