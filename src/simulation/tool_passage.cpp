@@ -27,6 +27,14 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
   return true;
 }
 
+// m. Points that a thin tool holds up deeper than that will not come back: behind it, or, as a narrow one holds only few, its
+// middle.
+double findLastDepth(const PassageStep& step) {
+  const double thickness = geometry::findSmallestExtent(step.shape);
+  if (thickness > step.spacing) return -1.0;  // any
+  return findWidth(step.shape) < step.spacing ? 0.5 * thickness + 0.25 * step.spacing : thickness + 0.5 * step.spacing;
+}
+
 // How often a surface goes around a place, by its winding number [Van Oosterom and Strackee 1983]. Where a place goes through the
 // surface it jumps by 1, also through an open one. positionOf(i): m.
 template <class PositionOf>
@@ -101,6 +109,7 @@ Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
     return std::binary_search(step.passed.begin(), step.passed.end(), ContactLoad::Passed{i, {}},
                               [](const auto& a, const auto& b) { return a.point < b.point; });
   };
+  const double width = findWidth(step.shape);
   // A point of the axis goes through a triangle.
   bool is_pierced = false;
   for (const model::WeightedTriangle& t : step.triangles) {
@@ -110,11 +119,10 @@ Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
       if (!wentThrough(step.from[k], step.to[k], before, after)) continue;
       is_pierced = true;
       if (std::any_of(t.corner, t.corner + 3, isPassed)) break;
-      if (!step.has_pressed) return findReason(step);  // nothing of it will be pushed back
+      if (!step.has_pressed || width < step.spacing) return findReason(step);  // nothing of it will be pushed back
     }
   }
   // Triangles that turn over are not found above. They are fast.
-  const double width = findWidth(step.shape);
   if (!is_pierced && step.has_pressed) is_pierced = findWay(step.from[0], step.to[0], step) > kFast * width;
   if (!step.had_passed && step.passed.empty() && !is_pierced && !through.isAny()) return Passage::kNone;
   if (!through.isAny()) through.since = step.begins;
@@ -123,8 +131,7 @@ Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
   if (!through.isAny()) return Passage::kNone;
   const bool is_pushed = !step.passed.empty() || step.has_pressed;
   const bool stays = step.is_equilibrium || step.ends - through.since > kLasting;
-  const double thickness = geometry::findSmallestExtent(step.shape);
-  const bool is_deep = step.passed.empty() || thickness > step.spacing || findDeepest(step) > thickness + step.spacing;
+  const bool is_deep = step.passed.empty() || findDeepest(step) > findLastDepth(step);
   if (is_pushed && !(stays && is_deep)) return Passage::kNone;
   through = {};
   return findReason(step);

@@ -31,7 +31,7 @@ enum class Passage { kNone, kNarrow, kThin, kSnapped, kIntoBody };
 /// Of an open surface. kNarrow, kThin, kSnapped: the width of the tool is below the spacing, its thickness is, or neither. A
 /// surface that is passed over comes back before the tool, unless no point is pushed any more. It stays behind the tool if it is
 /// in equilibrium, or has not come back for 0.2 s. In a thin tool points may always be deeper than its middle, so there they must
-/// also be deeper than the tool and the spacing. through: before the step, and after it.
+/// also be deeper than it by half, or in a narrow one a quarter, of the spacing. through: before the step, and after it.
 Passage findPassage(const PassageStep& step, ContactLoad::Through& through);
 
 /// Into a closed surface: kIntoBody or kNone.

@@ -90,12 +90,18 @@ TEST(ToolPassage, ATriangleThatPushesTheToolBackIsPassedOnlyAfterAWhile) {
   }
 }
 
+TEST(ToolPassage, ANarrowToolInATriangleIsThroughAlthoughPlacesPushItBack) {
+  Course course{0.1};
+  course.has_pressed = true;
+  EXPECT_EQ(course.step({0.3, -0.3}, false), Passage::kNarrow);
+}
+
 // Whose plane of entry is at the height of the square.
-TEST(ToolPassage, AThinToolIsPassedIfPointsAreDeeperThanItAndTheSpacing) {
-  for (const double way : {1.0, 3.0}) {
+TEST(ToolPassage, AThinToolIsPassedIfPointsAreFarBehindIt) {
+  for (const double way : {0.2, 0.4}) {
     Course course{0.1};
     EXPECT_EQ(course.step({-0.3, 0.3}, true), Passage::kNone);
-    EXPECT_EQ(course.step({0.3, 0.3, 0.0, -way}, true, 0.3), way > 2.0 ? Passage::kNarrow : Passage::kNone) << way;
+    EXPECT_EQ(course.step({0.3, 0.3, 0.0, -way}, true, 0.3), way > 0.3 ? Passage::kNarrow : Passage::kNone) << way;
   }
 }
 

@@ -32,9 +32,9 @@ namespace deformable_surface::simulation {
 /// small tools press on such points. Spare points touch only once they are chosen. The tool's surface first withdraws from a
 /// chosen point, so that its force does not jump, and comes back (Withdrawal). The choice ends when the point is outside.
 ///
-/// Places on triangles (SampledPoints::isPlace()) are chosen if they will be deeper at the end of the step. They have the spring
-/// of their cell's simulation point, and the surface does not come back to them by itself. Otherwise sheets that slide over edges
-/// would gain energy.
+/// Places on triangles (SampledPoints::isPlace()) are chosen if they will be deeper at the end of the step, where the surface is
+/// stretched or the tool is small. They have the spring of their cell's simulation point, and the tool's surface does not come
+/// back to them by itself. Otherwise sheets that slide over edges would gain energy.
 ///
 /// In equilibria the depth is not left: it would make the tool softer than it is. Where points press on a solid tool, its surface
 /// grows by s towards them until they lie on the tool itself, and F = m r^2 (d + s) (setGrowing()). In motion nothing grows:
@@ -79,7 +79,7 @@ class ContactLoad : public solve::ExternalLoad {
   struct Withdrawal {
     static constexpr double kEase = 0.5;          // s, in which it falls to 1 / e
     double way = 0.0, begins = 0.0, speed = 0.0;  // m, s; m/s, of the tool
-    double ease = kEase;                          // s; infinite: the surface does not come back by itself
+    double ease = kEase;                          // s; infinite: the tool's surface does not come back by itself
 
     double at(double time) const {
       return way > 0.0 ? std::max(0.0, way * std::exp((begins - time) / ease) - (time - begins) * speed) : 0.0;
