@@ -166,8 +166,12 @@ TEST(ContactLoad, StatisticsTellThatContactIsLeftOutUntilAToolComesNear) {
   EXPECT_TRUE(skipsContact());
   while (s.time() < 0.9) run(s, 1);
   EXPECT_TRUE(skipsContact());
-  while (s.time() < 0.99) run(s, 1);
-  EXPECT_FALSE(skipsContact());
+  bool has_come = false;  // the sheet bounces off
+  while (s.time() < 0.99) {
+    run(s, 1);
+    has_come = has_come || !skipsContact();
+  }
+  EXPECT_TRUE(has_come);
   s.removeTool("ball");
   EXPECT_TRUE(skipsContact());
 }
