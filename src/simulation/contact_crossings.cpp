@@ -26,9 +26,6 @@ constexpr double kBack = 0.01;      // of the depth of a passed point: a withdra
 constexpr int kMaxMoments = 64;
 constexpr double kTurn = 0.2;  // rad between two samples of a turning tool: paths in its frame are then nearly straight
 
-Vec3 toWorld(const Pose& pose, const Vec3& place) { return pose.position + pose.orientation * place; }
-Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
-
 struct Moment {
   double share;  // fraction of the step
   Pose pose;

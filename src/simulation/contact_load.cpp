@@ -42,13 +42,12 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
   return !is_flat || between.height(cell) > kFlat * between.extent(cell);
 }
 
-// Of the radius of a cell, which is half of the spacing: less is not deeper. Places on triangles are deeper than their corners on
-// any ball, by the second if its radius is twelve spacings.
+// Of the radius of a cell, which is about half of the spacing: less is not deeper. The second is for places on triangles.
 constexpr double kDeeper = 0.01, kDeeperPlace = 0.02;
-// Places on triangles are needed where the surface is stretched by so much, or the tool has so many times the radius of the cell
-// as width. Elsewhere the points carry it, and a mixture of both slid too early over a cylinder.
+// Places on triangles count where the surface is stretched by the first factor, and for tools narrower than the second times the
+// radius of the cell. Elsewhere the points carry the surface: a strip that lay on both slid too early over a cylinder.
 constexpr double kStretched = 1.1, kSmall = 4.0;
-constexpr double kThick = 0.5;  // of the same: thinner tools would push places out on the wrong side
+constexpr double kThick = 0.5;  // of the radius of the cell: thinner tools would push places out on the wrong side
 constexpr double kNever = std::numeric_limits<double>::infinity();  // s
 constexpr double kInstant = 1e-9;                                   // of a step: paths may bend where it ends
 constexpr double kSettled = 0.01;  // of the largest growth: smaller changes need no new equilibrium

@@ -8,6 +8,8 @@ namespace {
 
 constexpr int kMostPieces = 16;   // of the paths of a step
 constexpr double kFast = 0.25;    // widths of the tool in a step
+constexpr double kBehind = 0.5;   // spacings behind a thin tool
+constexpr double kMiddle = 0.5;   // of the same, for a narrow one
 constexpr double kLasting = 0.2;  // s: a surface that is not back before a tool after that stays behind it
 
 // Whether a point went through a triangle, all with constant velocities.
@@ -27,12 +29,13 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
   return true;
 }
 
-// m. Points that a thin tool holds up deeper than that will not come back: behind it, or, as a narrow one holds only few, its
-// middle.
+// m. Points that a tool holds up deeper than that will not come back. A narrow tool holds few points, and half of the depth
+// counts.
 double findLastDepth(const PassageStep& step) {
   const double thickness = geometry::findSmallestExtent(step.shape);
   if (thickness > step.spacing) return -1.0;  // any
-  return findWidth(step.shape) < step.spacing ? 0.5 * thickness + 0.25 * step.spacing : thickness + 0.5 * step.spacing;
+  const double share = findWidth(step.shape) < step.spacing ? kMiddle : 1.0;
+  return share * (thickness + kBehind * step.spacing);
 }
 
 // How often a surface goes around a place, by its winding number [Van Oosterom and Strackee 1983]. Where a place goes through the
@@ -47,8 +50,6 @@ double findWinding(const Vec3& place, const std::vector<model::WeightedTriangle>
   }
   return number;
 }
-
-Vec3 toTool(const tool::Pose& pose, const Vec3& p) { return pose.orientation.conjugate() * (p - pose.position); }
 
 Passage findReason(const PassageStep& step) {
   if (findWidth(step.shape) < step.spacing) return Passage::kNarrow;

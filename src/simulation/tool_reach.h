@@ -9,6 +9,10 @@
 
 namespace deformable_surface::simulation {
 
+/// Between the frame of a tool at a pose and the world, m.
+inline Vec3 toWorld(const tool::Pose& pose, const Vec3& place) { return pose.position + pose.orientation * place; }
+inline Vec3 toTool(const tool::Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
+
 /// Radius (m) of a ball about the tool's origin that holds its shape; infinite for a plane.
 double findRadius(const geometry::Solid& shape);
 
