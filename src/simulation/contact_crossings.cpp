@@ -21,7 +21,6 @@ using tool::Pose;
 using tool::ToolParams;
 
 constexpr double kRounding = 1e-6;  // fraction of a step: possible rounding error of the time of its beginning
-constexpr Index kLook = 64;         // points between two checks for an interrupt: each may be traced over all moments
 constexpr double kBack = 0.01;      // of the depth of a passed point: a withdrawal that is as good as none
 constexpr int kMaxMoments = 64;
 constexpr double kTurn = 0.2;  // rad between two samples of a turning tool: paths in its frame are then nearly straight
@@ -71,6 +70,26 @@ std::optional<Entry> findCrossing(const ToolParams& tool, const Moments& moments
   return std::nullopt;
 }
 
+// m, about the tool's place at the beginning: points outside of this ball are not passed over, if none moves farther than
+// `travel` (m). Their paths in the frame of a tool that turns are taken as straight between moments, which brings them nearer.
+double findSweep(const ToolParams& tool, const Moments& moments, double travel) {
+  double way = 0.0, turn = 0.0;
+  for (int k = 1; k < moments.count; ++k) {
+    const Pose &pose = moments.all[k].pose, &before = moments.all[k - 1].pose;
+    way = std::max(way, (pose.position - moments.all[0].pose.position).norm());
+    turn = std::max(turn, before.orientation.angularDistance(pose.orientation));
+  }
+  if (!(turn < 1.0)) return std::numeric_limits<double>::infinity();
+  return way + (findRadius(tool.shape) + way + travel) / (1.0 - turn);
+}
+
+// m, of all points.
+double findTravel(const Points& from, const Points& to) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) squared = std::max(squared, (to[i] - from[i]).squaredNorm());
+  return std::sqrt(squared);
+}
+
 // A point that has been passed over, at a place of the world. The plane is where the solid alone would push as much.
 ContactLoad::Passed findPassed(Index point, const Entry& entry, const ToolParams& tool, const Pose& pose, const Vec3& at,
                                double time) {
@@ -86,17 +105,38 @@ bool passes(const ContactLoad::Body& body) {
 }  // namespace
 
 void ContactLoad::predict(double step, const model::State& state) {
+  before_ = state.positions;
+  boxes_before_.update(before_);
   ahead_.positions.resize(state.positions.size());
   for (Index i = 0; i < state.size(); ++i) ahead_.positions[i] = state.positions[i] + step * state.velocities[i];
   ahead_.escaped = state.escaped;
+  if (points_.between() && points_.between()->hasPlaces()) boxes_ahead_.update(ahead_.positions);
+}
+
+template <class Visit>
+void ContactLoad::visitNear(const Vec3& centre, double radius, const std::vector<Passed>& passed, const Visit& visit) const {
+  const Index n = static_cast<Index>(before_.size());
+  auto next = passed.begin();
+  for (Index begin = 0; begin < n; begin += geometry::PointBoxes::kRun) {
+    endIfInterrupted();
+    const Index end = std::min(n, begin + geometry::PointBoxes::kRun);
+    const bool has_passed = next != passed.end() && next->point < end;
+    if (!has_passed && !boxes_before_.mayMeet(begin / geometry::PointBoxes::kRun, centre, radius)) continue;
+    for (Index i = begin; i < end; ++i) {
+      const bool is_passed = next != passed.end() && next->point == i;
+      visit(i, is_passed ? &*next++ : nullptr);
+    }
+  }
 }
 
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
-  before_ = state.positions;
   forgetTouches();
   notice_.clear();
   has_new_arrival_ = has_new_detour_ = false;
   bool any = std::exchange(has_let_go_, false);
+  if (bodies_.empty()) return any;
+  predict(step, state);
+  const double travel = findTravel(before_, ahead_.positions);
   for (Body& body : bodies_) {
     const bool acts = tool::isActive(body.tool, time + kRounding * step);
     any = any || body.acts != acts;
@@ -117,32 +157,27 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     const tool::Motion motion = tool::findMotion(body.tool.path, time);
     scratch_.clear();
     scratch_.reserve(state.size());
-    auto passed = body.passed.begin();
-    for (Index i = 0; i < state.size(); ++i) {
-      endIfInterrupted(i, kLook);
-      const bool was_passed = passed != body.passed.end() && passed->point == i;
-      if (was_passed) ++passed;
-      if (held[i]) continue;
-      if (was_passed) {
-        const Entry& entry = (passed - 1)->entry;
-        const Vec3 place = toTool(moments.all[0].pose, state.positions[i]);
-        const geometry::SignedDistance now = geometry::findSignedDistance(body.tool.shape, place);
-        const double depth = -entry.heightOf(place);
-        const Withdrawal withdrawal = (passed - 1)->withdrawal.goOn(time, depth, motion.velocityAt(state.positions[i]).norm());
-        const bool is_back = withdrawal.at(time) <= kBack * depth;
-        if (!(is_back && tool::pushesBack(entry, now)) && tool::isHeldUp(body.tool.shape, entry, place, now)) {
-          scratch_.push_back({i, entry, withdrawal});
-          continue;
-        }
-      }
-      const Vec3 next = state.positions[i] + step * state.velocities[i];
-      if (const std::optional<Entry> entry = findCrossing(body.tool, moments, state.positions[i], next))
-        scratch_.push_back(findPassed(i, *entry, body.tool, moments.all[0].pose, state.positions[i], time));
-    }
+    visitNear(
+        moments.all[0].pose.position, findSweep(body.tool, moments, travel), body.passed, [&](Index i, const Passed* passed) {
+          if (held[i]) return;
+          if (passed) {
+            const Entry& entry = passed->entry;
+            const Vec3 place = toTool(moments.all[0].pose, state.positions[i]);
+            const geometry::SignedDistance now = geometry::findSignedDistance(body.tool.shape, place);
+            const double depth = -entry.heightOf(place);
+            const Withdrawal withdrawal = passed->withdrawal.goOn(time, depth, motion.velocityAt(state.positions[i]).norm());
+            const bool is_back = withdrawal.at(time) <= kBack * depth;
+            if (!(is_back && tool::pushesBack(entry, now)) && tool::isHeldUp(body.tool.shape, entry, place, now)) {
+              scratch_.push_back({i, entry, withdrawal});
+              return;
+            }
+          }
+          if (const std::optional<Entry> entry = findCrossing(body.tool, moments, state.positions[i], ahead_.positions[i]))
+            scratch_.push_back(findPassed(i, *entry, body.tool, moments.all[0].pose, state.positions[i], time));
+        });
     body.passed.swap(scratch_);
     any = any || !body.passed.empty();
   }
-  if (!grows_ && points_.between() && points_.between()->hasPlaces()) predict(step, state);
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     if (!grows_ && (!bodies_[b].pressed.empty() || points_.between())) any = updateAlone(time, step, state, held, b) || any;
   forgetTouches();
@@ -154,25 +189,27 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
   std::string notice;
   gone_through_.clear();
   forgetTouches();
+  if (bodies_.empty()) return notice;
+  const double travel = findTravel(before_, state.positions);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
     if (!passes(body)) continue;
     const bool had_passed = !body.passed.empty();
     const Moments moments = listMoments(body.tool, time, step);
     const Pose &from = moments.all[0].pose, &to = moments.all[moments.count - 1].pose;
+    const double sweep = findSweep(body.tool, moments, travel);
+    const bool is_far = body.passed.empty() && body.pressed.empty() && !body.through.isAny();
+    if (is_far && !boxes_before_.mayMeet(from.position, sweep)) continue;
     scratch_.clear();
     scratch_.reserve(state.size());
-    auto passed = body.passed.begin();
-    for (Index i = 0; i < state.size(); ++i) {
-      endIfInterrupted(i, kLook);
-      if (passed != body.passed.end() && passed->point == i) {
+    visitNear(from.position, sweep, body.passed, [&](Index i, const Passed* passed) {
+      if (passed) {
         if (!state.hasEscaped(static_cast<Index>(b), i)) scratch_.push_back(*passed);
-        ++passed;
       } else if (!held[i]) {
         if (const std::optional<Entry> entry = findCrossing(body.tool, moments, before_[i], state.positions[i]))
           scratch_.push_back(findPassed(i, *entry, body.tool, to, state.positions[i], time + step));
       }
-    }
+    });
     body.passed.swap(scratch_);
 
     const AxisPoints axis = listAxisPoints(body.tool.shape);

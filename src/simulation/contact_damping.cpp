@@ -76,11 +76,8 @@ void ContactDamping::addIndefiniteStiffness(double time, const model::State& sta
 
 void ContactDamping::addRowBounds(double time, const model::State& state, std::vector<double>&,
                                   std::vector<double>& damping) const {
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    if (!contact_.isDamped(contact_.all()[b].tool)) continue;
-    contact_.listNear(b, time, state, near_);
-    for (const Index i : near_) damping[i] += coefficient(contact_.points().dampedShare() * contact_.points().massOf(i));
-  }
+  contact_.forEachNearDamped(
+      time, state, [&](Index i) { damping[i] += coefficient(contact_.points().dampedShare() * contact_.points().massOf(i)); });
 }
 
 }  // namespace deformable_surface::simulation

@@ -55,6 +55,14 @@ constexpr double kSettled = 0.01;  // of the largest growth: smaller changes nee
 bool isBelow(const ContactLoad::Pressed& a, Index point) { return a.point < point; }
 bool isBefore(const ContactLoad::Pressed& a, const ContactLoad::Pressed& b) { return a.point < b.point; }
 
+double sumPotential(const ToolParams& tool, const std::vector<ContactLoad::Touch>& touches) {
+  const bool pushing = tool::isPushing(tool);
+  double sum = 0.0;
+  for (const ContactLoad::Touch& touch : touches)
+    sum += touch.stiffness * (pushing ? 0.5 * touch.pressed * touch.pressed : attractionPotential(touch.distance, tool.reach));
+  return sum;
+}
+
 constexpr double kNoPad = std::numeric_limits<double>::infinity();  // N/m
 
 constexpr Index kLook = 1024;  // points between two checks for an interrupt: milliseconds, also for tools of many triangles
@@ -98,8 +106,8 @@ bool ContactLoad::mayHold(const Vec3& point, const Vec3& direction, double time)
   });
 }
 
-void ContactLoad::listTouches(std::size_t b, double time, const model::State& state, bool to_choose,
-                              std::vector<Touch>& touches) const {
+void ContactLoad::listTouches(std::size_t b, double time, const model::State& state, const geometry::PointBoxes& boxes,
+                              bool to_choose, std::vector<Touch>& touches) const {
   const Body& body = bodies_[b];
   const Points& positions = state.positions;
   touches.clear();
@@ -118,8 +126,7 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
   double largest_growth = 0.0;
   for (const Pressed& point : body.pressed) largest_growth = std::max(largest_growth, point.growth);
   auto pressed = body.pressed.begin();
-  for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
-    endIfInterrupted(i, kLook);
+  const auto look = [&](Index i) {
     // Most points are far from most tools, and are skipped here.
     const bool is_passed = passed != body.passed.end() && passed->point == i;
     const bool is_pressed = pressed != body.pressed.end() && pressed->point == i;
@@ -132,7 +139,7 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
       const double farthest = radius + largest_growth + kMostStretch * between->extent(i);
       if (!(squared_distance > farthest * farthest)) reach = between->findReach(i, positions);
     }
-    if (!is_passed && growth == 0.0 && squared_distance > squared_ball && reach == 0.0) continue;
+    if (!is_passed && growth == 0.0 && squared_distance > squared_ball && reach == 0.0) return;
     const double look = reach > 0.0 ? reach + largest_growth : growth;
     geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? look : tool.reach);
     if (reach > 0.0 && d.distance < look) near_.push_back({i, d.distance, reach});
@@ -149,19 +156,31 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     }
     double stiffness = per_mass * points_.massOf(i);
     if (!pushing) {
-      if (!(std::abs(d.distance) < tool.reach)) continue;
+      if (!(std::abs(d.distance) < tool.reach)) return;
       const double force = stiffness * attractionForce(d.distance, tool.reach);
       touches.push_back({i, positions[i], d.distance, d.normal, force * d.normal, 0.0, stiffness, 1.0, 0.0});
-      continue;
+      return;
     }
     const double depth = (is_held_up ? 0.0 : growth) - d.distance;
-    if (!(depth > 0.0)) continue;
+    if (!(depth > 0.0)) return;
     const double pad = padOf(i, compliance_ > 0.0 && isShared(tool.shape, i));
     const double softness = stiffness > pad ? pad / stiffness : 1.0;
-    if (softness == 0.0) continue;  // inside a body
+    if (softness == 0.0) return;  // inside a body
     stiffness = std::min(stiffness, pad);
     touches.push_back(
         {i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
+  };
+  const double farthest_between = between ? radius + largest_growth + kMostStretch * between->largestExtent() : 0.0;
+  const double farthest = std::max(ball, farthest_between);
+  const Index n = static_cast<Index>(positions.size());
+  for (Index begin = 0; begin < n; begin += geometry::PointBoxes::kRun) {
+    endIfInterrupted(begin, kLook);
+    const Index end = std::min(n, begin + geometry::PointBoxes::kRun);
+    const bool is_near = boxes.mayMeet(begin / geometry::PointBoxes::kRun, pose.position, farthest);
+    const bool has_passed = passed != body.passed.end() && passed->point < end;
+    const bool has_pressed = pressed != body.pressed.end() && pressed->point < end;
+    if (!is_near && !has_passed && !has_pressed) continue;
+    for (Index i = begin; i < end; ++i) look(i);
   }
   if (between) listTouchesBetween(body, time, pose, positions, largest_growth, touches);
 }
@@ -294,13 +313,13 @@ bool ContactLoad::updateAlone(double time, double step, const model::State& stat
     has_changed = has_changed || !spare_.empty();
   };
   if (!between->areLinear()) {
-    listTouches(b, time, state, true, pressing_);
+    listTouches(b, time, state, boxes_before_, true, pressing_);
     chooseAlone(body, time, state.positions, held, pressing_, {true, false});
     addChosen();
   }
   // A pad yields to the points of the cloud.
   if (between->hasPlaces() && (between->areLinear() || compliance_ == 0.0)) {
-    listTouches(b, time + step, ahead_, true, pressing_);
+    listTouches(b, time + step, ahead_, boxes_ahead_, true, pressing_);
     chooseAlone(body, time + step, ahead_.positions, held, pressing_, {false, true});
     addChosen();
   }
@@ -326,7 +345,8 @@ double ContactLoad::grow(double time, const model::State& state, const std::vect
   double change = 0.0;
   grown_.clear();
   if (!tool::isPushing(body.tool)) return change;
-  listTouches(b, time, state, true, pressing_);
+  boxPoints(state.positions);
+  listTouches(b, time, state, boxes_at_, true, pressing_);
   auto passed = body.passed.begin();
   for (const Touch& touch : pressing_) {
     while (passed != body.passed.end() && passed->point < touch.point) ++passed;
@@ -363,56 +383,56 @@ bool ContactLoad::settle(double time, const model::State& state, const std::vect
   return has_grown;
 }
 
-const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body, double time, const model::State& state) const {
-  if (touches_.size() != bodies_.size() || touched_time_ != time || touched_at_ != state.positions) {
-    touches_.resize(bodies_.size());
-    for (Touches& touches : touches_) touches.are_known = false;
-    touched_time_ = time;
-    touched_at_ = state.positions;
-  }
-  Touches& touches = touches_[body];
-  if (!touches.are_known) listTouches(body, time, state, false, touches.list);
-  touches.are_known = true;
-  return touches.list;
+bool ContactLoad::boxPoints(const Points& positions) const {
+  if (touched_at_ == positions) return false;
+  touched_at_ = positions;
+  boxes_at_.update(positions);
+  return true;
+}
+
+const std::vector<std::vector<ContactLoad::Touch>>& ContactLoad::findTouches(double time, const model::State& state) const {
+  touches_.resize(bodies_.size());
+  if (bodies_.empty()) return touches_;
+  const bool have_moved = boxPoints(state.positions);
+  if (are_touches_known_ && touched_time_ == time && !have_moved) return touches_;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) listTouches(b, time, state, boxes_at_, false, touches_[b]);
+  touched_time_ = time;
+  are_touches_known_ = true;
+  return touches_;
 }
 
 void ContactLoad::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
-  for (std::size_t b = 0; b < bodies_.size(); ++b)
-    for (const Touch& touch : findTouches(b, time, state)) points_.addForce(touch.point, state.positions, touch.force, forces);
+  for (const std::vector<Touch>& touches : findTouches(time, state))
+    for (const Touch& touch : touches) points_.addForce(touch.point, state.positions, touch.force, forces);
   seconds_ += timer.seconds();
 }
 
-double ContactLoad::potentialOf(std::size_t body, double time, const model::State& state) const {
-  const ToolParams& tool = bodies_[body].tool;
-  double sum = 0.0;
-  const bool pushing = tool::isPushing(tool);
-  for (const Touch& touch : findTouches(body, time, state))
-    sum += touch.stiffness * (pushing ? 0.5 * touch.pressed * touch.pressed : attractionPotential(touch.distance, tool.reach));
-  return sum;
-}
-
 double ContactLoad::potential(double time, const model::State& state) const {
+  const std::vector<std::vector<Touch>>& touches = findTouches(time, state);
   double sum = 0.0;
-  for (std::size_t b = 0; b < bodies_.size(); ++b) sum += potentialOf(b, time, state);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) sum += sumPotential(bodies_[b].tool, touches[b]);
   return sum;
 }
 
 // The tool's motion is that at the end of the step.
 double ContactLoad::drivingPower(double time, double step, const model::State& state) const {
+  const std::vector<std::vector<Touch>>& touches = findTouches(time, state);
   double power = 0.0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (touches[b].empty()) continue;
     const tool::Motion motion = tool::findMotion(bodies_[b].tool.path, time - kInstant * step);
-    for (const Touch& touch : findTouches(b, time, state))
+    for (const Touch& touch : touches[b])
       power += touch.force.dot(motion.velocityAt(touch.position)) + touch.stiffness * touch.pressed * touch.returning;
   }
   return power;
 }
 
 double ContactLoad::storedEnergy(double time, const model::State& state) const {
+  const std::vector<std::vector<Touch>>& touches = findTouches(time, state);
   double sum = 0.0;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
-    if (tool::isPushing(bodies_[b].tool)) sum += potentialOf(b, time, state);
+    if (tool::isPushing(bodies_[b].tool)) sum += sumPotential(bodies_[b].tool, touches[b]);
   return sum;
 }
 
@@ -439,65 +459,83 @@ void ContactLoad::remember(double time, double, model::State& state) const {
 // The curvature of the tool's surface would soften a sliding point. It is left out, so that the matrix stays positive
 // semidefinite.
 void ContactLoad::addStiffness(double time, const model::State& state, double, BlockSparse& stiffness) const {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    // Also without contact: the sparsity pattern stays the same from step to step.
-    for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
-    for (const Touch& touch : findTouches(b, time, state))
+  if (bodies_.empty()) return;
+  // Also without contact: the sparsity pattern stays the same from step to step.
+  for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
+  for (const std::vector<Touch>& touches : findTouches(time, state))
+    for (const Touch& touch : touches)
       points_.addStiffness(touch.point, touch.stiffness * touch.normal * touch.normal.transpose(), stiffness);
-  }
 }
 
 bool ContactLoad::mayBeDamped(double time, double within, const model::State& state) const {
+  if (!hasDamped()) return false;
+  const std::vector<std::vector<Touch>>& touches = findTouches(time, state);
+  const double fastest = findFastest(state);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (!isDamped(bodies_[b].tool)) continue;
-    if (!findTouches(b, time, state).empty()) return true;
-    listNear(b, time, within, state, near_points_);
+    if (!touches[b].empty()) return true;
+    listNear(b, time, within, fastest, state);
     if (!near_points_.empty()) return true;
   }
   return false;
 }
 
-void ContactLoad::listNear(std::size_t b, double time, double within, const model::State& state, std::vector<Index>& near) const {
-  near.clear();
-  near.reserve(state.size());
+double ContactLoad::findFastest(const model::State& state) {
+  double squared = 0.0;
+  for (const Vec3& v : state.velocities) squared = std::max(squared, v.squaredNorm());
+  return std::sqrt(squared);
+}
+
+void ContactLoad::listNear(std::size_t b, double time, double within, double fastest, const model::State& state) const {
+  near_points_.clear();
+  near_points_.reserve(state.size());
   const ToolParams& tool = bodies_[b].tool;
   if (!bodies_[b].acts.value_or(tool::isActive(tool, time))) return;
   const double radius = kBallMargin * findRadius(tool.shape);
   const tool::Pose pose = tool::interpolate(tool.path, time);
   const tool::Motion now = tool::findMotion(tool.path, time), later = tool::findMotion(tool.path, time + within);
   const transfer::SampledPoints* const between = tool::isPushing(tool) ? points_.between() : nullptr;
-  // Points that a tool has passed over are pushed from afar.
-  touched_.assign(state.size(), 0.0);
-  for (const Touch& touch : findTouches(b, time, state)) points_.addRowBound(touch.point, 1.0, touched_);
-  for (Index i = 0; i < state.size(); ++i) {
-    endIfInterrupted(i, kLook);
-    if (touched_[i] > 0.0) {
-      near.push_back(i);
-      continue;
-    }
+  const std::vector<Touch>& touches = findTouches(time, state)[b];
+  touched_.assign(touches.empty() ? 0 : state.size(), 0.0);
+  for (const Touch& touch : touches) points_.addRowBound(touch.point, 1.0, touched_);
+  const auto mayBeNear = [&](Index i) {
+    if (!touched_.empty() && touched_[i] > 0.0) return true;
     const Vec3 &x = state.positions[i], &v = state.velocities[i];
     const double way =
         within * std::sqrt(std::max((v - now.velocityAt(x)).squaredNorm(), (v - later.velocityAt(x)).squaredNorm()));
     const double of_cell = between && mayTouchBetween(tool.shape, *between, i) ? kMostStretch * between->extent(i) : 0.0;
     const double reach = way + (tool::isPushing(tool) ? of_cell : tool.reach);
-    if ((x - pose.position).norm() > radius + reach) continue;
+    if ((x - pose.position).norm() > radius + reach) return false;
     // Triangles are not searched: the ball around them is enough for a bound.
-    if (tool.shape.kind != geometry::Solid::Kind::kMesh &&
-        !(tool::findSignedDistance(tool.shape, pose, x, reach).distance <= reach))
-      continue;
-    near.push_back(i);
+    return tool.shape.kind == geometry::Solid::Kind::kMesh ||
+           tool::findSignedDistance(tool.shape, pose, x, reach).distance <= reach;
+  };
+  // The speed past a tool that turns grows with the distance from it. Points that a tool has passed over are pushed from afar.
+  const double speed = fastest + std::max(now.velocity.norm(), later.velocity.norm());
+  const double turn = within * std::max(now.angular_velocity.norm(), later.angular_velocity.norm());
+  const double beside =
+      std::max(between ? kMostStretch * between->largestExtent() : 0.0, tool::isPushing(tool) ? 0.0 : tool.reach);
+  const bool is_bounded = touches.empty() && turn < 1.0;
+  const double farthest = is_bounded ? (radius + beside + within * speed) / (1.0 - turn) : kNever;
+  for (Index begin = 0; begin < state.size(); begin += geometry::PointBoxes::kRun) {
+    endIfInterrupted(begin, kLook);
+    if (!boxes_at_.mayMeet(begin / geometry::PointBoxes::kRun, pose.position, farthest)) continue;
+    for (Index i = begin; i < std::min(state.size(), begin + geometry::PointBoxes::kRun); ++i)
+      if (mayBeNear(i)) near_points_.push_back(i);
   }
 }
 
 void ContactLoad::addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                                std::vector<double>&) const {
+  if (bodies_.empty()) return;
+  const double fastest = findFastest(state);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const bool pushes = tool::isPushing(bodies_[b].tool);
     const double per_mass = pushes ? stiffening_ * rate_ * rate_ : bodies_[b].tool.strength / points_.totalMass();
-    listNear(b, time, state, near_points_);
+    listNear(b, time, ahead(), fastest, state);
     for (const Index i : near_points_) stiffness[i] += std::min(per_mass * points_.massOf(i), pushes ? padOf(i, false) : kNoPad);
     if (!points_.between()) continue;
-    for (const Touch& touch : findTouches(b, time, state))
+    for (const Touch& touch : findTouches(time, state)[b])
       if (points_.isBetween(touch.point)) points_.addRowBound(touch.point, touch.stiffness, stiffness);
   }
 }

@@ -17,16 +17,17 @@ bool isInReach(const tool::ToolParams& tool, const tool::Pose& pose, const Vec3&
 
 Grazing findGrazing(const ContactLoad& contact, double time, const model::State& state, double thickness) {
   const std::vector<ContactLoad::Body>& bodies = contact.all();
+  const auto& touches = contact.findTouches(time, state);
   for (std::size_t s = 0; bodies.size() > 1 && s < bodies.size(); ++s) {
     const tool::ToolParams& slider = bodies[s].tool;
     if (slider.mode != tool::Mode::kSolid || !bodies[s].acts.value_or(false)) continue;
     const tool::Motion motion = tool::findMotion(slider.path, time);
     if (motion.velocity.isZero(0.0) && motion.angular_velocity.isZero(0.0)) continue;
-    if (!contact.findTouches(s, time, state).empty()) continue;
+    if (!touches[s].empty()) continue;
     const tool::Pose pose = tool::interpolate(slider.path, time);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (b == s || bodies[b].tool.mode != tool::Mode::kSolid) continue;
-      for (const ContactLoad::Touch& touch : contact.findTouches(b, time, state)) {
+      for (const ContactLoad::Touch& touch : touches[b]) {
         if (contact.points().isBetween(touch.point) || !isInReach(slider, pose, touch.position, thickness)) continue;
         const geometry::SignedDistance d = tool::findSignedDistance(slider.shape, pose, touch.position, thickness);
         if (!(d.distance >= 0.0 && d.distance < thickness && d.normal.dot(touch.normal) < kOpposite)) continue;

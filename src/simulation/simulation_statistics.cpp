@@ -93,9 +93,10 @@ void Simulation::Impl::listSkipped() {
   list(now.params().anchors.empty(), "anchors");
   bool may_touch = false;
   const ContactLoad& contact = now.loads().contact;
+  const auto& touches = contact.findTouches(now.time(), now.state());
   for (std::size_t b = 0; b < contact.all().size() && !may_touch; ++b)
     may_touch = !contact.all()[b].passed.empty() || isInReach(contact.all()[b].tool, now.time(), now.state().positions) ||
-                !contact.findTouches(b, now.time(), now.state()).empty();
+                !touches[b].empty();
   list(!may_touch, "contact");
   list(now.loads().self_contact && !now.loads().self_contact->mayAct(), "self_contact");
 }

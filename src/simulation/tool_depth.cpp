@@ -72,10 +72,11 @@ double ToolDepth::measure(const Dynamics& level) {
   level.loads().contact.copyAll(bodies_);
   for (ContactLoad::Body& body : bodies_) body.pressed.clear();
   contact_.restore(bodies_);
+  const auto& touches = contact_.findTouches(level.time(), level.state());
   double deepest = 0.0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (bodies_[b].tool.mode != tool::Mode::kSolid) continue;
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, level.time(), level.state()))
+    for (const ContactLoad::Touch& touch : touches[b])
       if (!contact_.points().isHeld(touch.point, level.held())) deepest = std::max(deepest, -touch.distance);
   }
   return deepest;
@@ -90,7 +91,7 @@ ToolDepth::Unfelt ToolDepth::findUnfelt(const Dynamics& level, double spacing) c
     const ContactLoad::Body& body = contact.all()[b];
     if (body.tool.mode != tool::Mode::kSolid || body.tool.shape.kind == geometry::Solid::Kind::kPlane) continue;
     if (!body.acts.value_or(false)) continue;
-    const auto& touches = contact.findTouches(b, level.time(), level.state());
+    const auto& touches = contact.findTouches(level.time(), level.state())[b];
     const auto isPushed = [&](const ContactLoad::Touch& touch) { return !contact.points().isHeld(touch.point, level.held()); };
     const bool is_needle = findWidth(body.tool.shape) < kNeedle * cloud_spacing;
     if (std::any_of(touches.begin(), touches.end(), isPushed)) {

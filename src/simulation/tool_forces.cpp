@@ -15,13 +15,14 @@ Vec3 findForce(const LoadSet& loads, std::size_t body, double time, const model:
 
 void addReactions(const LoadSet& loads, double time, const model::State& state, std::vector<ToolReaction>& reactions) {
   const std::vector<ContactLoad::Body>& bodies = loads.contact.all();
+  const auto& touches = loads.contact.findTouches(time, state);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const tool::ToolParams& tool = bodies[b].tool;
     const auto found = std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == tool.id; });
     if (found == reactions.end()) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    for (const ContactLoad::Touch& touch : loads.contact.findTouches(b, time, state)) {
+    for (const ContactLoad::Touch& touch : touches[b]) {
       const Vec3 on_point = findForce(loads, b, time, state, touch);
       force -= on_point;
       torque -= (touch.position - pose.position).cross(on_point);
@@ -38,7 +39,7 @@ void appendContacts(const LoadSet& loads, double time, const model::State& state
   const std::vector<ContactLoad::Body>& bodies = loads.contact.all();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b].tool.id != id) continue;
-    for (const ContactLoad::Touch& touch : loads.contact.findTouches(b, time, state))
+    for (const ContactLoad::Touch& touch : loads.contact.findTouches(time, state)[b])
       contacts.push_back({place, loads.contact.points().simulationPointOf(touch.point), touch.position, touch.normal,
                           -touch.distance, findForce(loads, b, time, state, touch)});
   }

@@ -66,6 +66,7 @@ void SampledPoints::findExtents(Index num_cells) {
   for (Index s = 0; s < size(); ++s) {
     const Index cell = cell_[s];
     extent_[cell] = std::max(extent_[cell], share_[s]);
+    largest_extent_ = std::max(largest_extent_, share_[s]);
     if (!isPlace(s)) radius_[cell] = std::max(radius_[cell], share_[s]);
   }
   for (Index s = 0; s < size(); ++s)
@@ -155,6 +156,7 @@ void SampledPoints::scatter(Index s, const Points& simulation_now, const Vec3& f
 SampledPoints SampledPoints::takePart(const std::vector<Index>& new_index, Index new_size, std::vector<Index>& old) const {
   SampledPoints part;
   part.k_ = k_;
+  part.largest_extent_ = largest_extent_;
   part.radius_.assign(new_size, 0.0);
   part.extent_.assign(new_size, 0.0);
   part.height_.assign(new_size, 0.0);

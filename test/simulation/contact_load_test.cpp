@@ -54,12 +54,14 @@ TEST(ContactLoad, PushesAlongMinusTheGradientOfItsPotential) {
   }
 }
 
-// Most points are skipped by the ball around a tool. The result is that of a check of all points.
+// Most points are skipped by the boxes around runs of points and the ball around a tool. The result is that of a check of all
+// points.
 TEST(ContactLoad, PointsBeyondAToolsReachAreLeftOutAndNoOthers) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   model::State state;
   for (int i = 0; i < 3000; ++i) state.positions.emplace_back(u(random), u(random), u(random));
+  std::sort(state.positions.begin(), state.positions.end(), [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); });
   state.velocities.assign(3000, Vec3::Zero());
   const std::vector<double> masses(3000, 0.3);
   using Kind = geometry::Solid::Kind;
@@ -88,6 +90,74 @@ TEST(ContactLoad, PointsBeyondAToolsReachAreLeftOutAndNoOthers) {
       }
       EXPECT_GT(touched, 15);
     }
+}
+
+// Of a sheet with runs of points in rows, or with each run all over the sheet, so that no run is skipped: the points that a fast
+// tool passes over in a step, those that it has passed over at the end, and those near damped tools.
+TEST(ContactLoad, RunsOfPointsThatAreSkippedChangeNothing) {
+  using Kind = geometry::Solid::Kind;
+  constexpr Index kSide = 24, n = kSide * kSide;
+  std::vector<Index> scattered(n);
+  for (Index i = 0; i < n; ++i) scattered[i] = i * 35 % n;  // 35 and n have no common divisor
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  const std::vector<char> held(n, 0);
+  std::size_t num_passed = 0, num_near = 0;
+  for (int k = 0; k < 60; ++k) {
+    model::State rows, all_over;
+    for (model::State* state : {&rows, &all_over}) {
+      state->positions.resize(n);
+      state->velocities.resize(n);
+    }
+    for (Index i = 0; i < n; ++i) {
+      rows.positions[i] = Vec3(0.04 * (i / kSide), 0.04 * (i % kSide), 0.01 * u(random));
+      rows.velocities[i] = 0.5 * Vec3(u(random), u(random), u(random));
+      all_over.positions[scattered[i]] = rows.positions[i];
+      all_over.velocities[scattered[i]] = rows.velocities[i];
+    }
+    tool::ToolParams tool = ball(0.02, Vec3(0.5 + 0.4 * u(random), 0.5 + 0.4 * u(random), 0.3 * u(random)), Vec3::Zero());
+    tool.shape.kind = k % 2 == 0 ? Kind::kCylinder : Kind::kSphere;
+    tool.shape.height = 0.4;
+    tool.path[0].orientation = Vec4(u(random), u(random), u(random), u(random)).normalized();
+    tool.path[1].time = 0.05;
+    tool.path[1].position = tool.path[0].position + 0.3 * Vec3(u(random), u(random), u(random));
+    tool.path[1].orientation = Vec4(u(random), u(random), u(random), u(random)).normalized();
+    tool.friction = 0.5;
+    simulation::ContactLoad of_rows(std::vector<double>(n, 1.0)), of_all(std::vector<double>(n, 1.0));
+    const auto listPassed = [&](const simulation::ContactLoad& load, const auto& number) {
+      std::vector<Index> passed;
+      for (const auto& item : load.all()[0].passed) passed.push_back(number(item.point));
+      std::sort(passed.begin(), passed.end());
+      return passed;
+    };
+    const auto listNear = [&](const simulation::ContactLoad& load, const model::State& state, const auto& number) {
+      std::vector<Index> near;
+      load.forEachNearDamped(0.0, state, [&](Index i) { near.push_back(number(i)); });
+      std::sort(near.begin(), near.end());
+      return near;
+    };
+    const auto same = [](Index i) { return i; };
+    const auto scatter = [&](Index i) { return scattered[i]; };
+    for (simulation::ContactLoad* load : {&of_rows, &of_all}) {
+      load->setArriving(false);
+      load->setTools({tool});
+      load->setRate(1000.0);
+    }
+    of_rows.beginStep(0.0, 0.05, rows, held);
+    of_all.beginStep(0.0, 0.05, all_over, held);
+    EXPECT_EQ(listPassed(of_rows, scatter), listPassed(of_all, same)) << k;
+    EXPECT_EQ(listNear(of_rows, rows, scatter), listNear(of_all, all_over, same)) << k;
+    num_passed += of_rows.all()[0].passed.size();
+    num_near += listNear(of_rows, rows, same).size();
+    for (model::State* state : {&rows, &all_over})
+      for (Index i = 0; i < n; ++i) state->positions[i] -= 0.05 * state->velocities[i];
+    const std::vector<model::WeightedTriangle> no_triangles;
+    of_rows.endStep(0.0, 0.05, rows, held, {no_triangles, false, 0.04});
+    of_all.endStep(0.0, 0.05, all_over, held, {no_triangles, false, 0.04});
+    EXPECT_EQ(listPassed(of_rows, scatter), listPassed(of_all, same)) << k;
+  }
+  EXPECT_GT(num_passed, 100u);
+  EXPECT_GT(num_near, 100u);
 }
 
 // The power was once found from potentials a thousandth of a step before, where points that hardly touch do not touch yet.

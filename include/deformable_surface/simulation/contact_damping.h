@@ -51,7 +51,6 @@ class ContactDamping : public solve::ExternalLoad {
 
   const ContactLoad& contact_;
   const bool is_gradual_;
-  mutable std::vector<Index> near_;  // scratch
 };
 
 }  // namespace deformable_surface::simulation

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/contact/pad.h"
+#include "deformable_surface/geometry/point_boxes.h"
 #include "deformable_surface/simulation/contact_points.h"
 #include "deformable_surface/solve/external_load.h"
 #include "deformable_surface/tool/crossing.h"
@@ -214,14 +215,20 @@ class ContactLoad : public solve::ExternalLoad {
   /// Work of moving tools: the gain of the potential at the points before or at those after, whichever is larger.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
-  /// For the simulation points of listNear(); for other points only in contact.
+  /// For simulation points that are near (listNear()); for other points only in contact.
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override;
-  /// The simulation points that carry a touch of a tool, or may do so, themselves or for points of their cells, before bounds are
-  /// asked for again. Not all, because damping by tools that are far would shorten the stable step. Ascending; near is
-  /// overwritten.
-  void listNear(std::size_t body, double time, const model::State& state, std::vector<Index>& near) const {
-    listNear(body, time, rate_ > 0.0 ? kAhead / rate_ : 0.0, state, near);
+  /// visit(i) for the simulation points that carry a touch of a damped tool, or may do so, themselves or for points of their
+  /// cells, before bounds are asked for again. Not all, because damping by tools that are far would shorten the stable step.
+  template <typename Visit>
+  void forEachNearDamped(double time, const model::State& state, const Visit& visit) const {
+    if (!hasDamped()) return;
+    const double fastest = findFastest(state);
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (!isDamped(bodies_[b].tool)) continue;
+      listNear(b, time, ahead(), fastest, state);
+      for (const Index i : near_points_) visit(i);
+    }
   }
   /// Whether points may touch a damped tool within a time (s) at their present velocities.
   bool mayBeDamped(double time, double within, const model::State& state) const;
@@ -241,9 +248,9 @@ class ContactLoad : public solve::ExternalLoad {
     double softness;   // of the contact spring, 0 to 1: its stiffness over that without a pad
     double returning;  // m/s, of the tool's surface towards the point, beside the tool's motion: see Withdrawal
   };
-  /// The touches of one body, for every point that it acts on, ascending. Valid until the next call with another time or other
+  /// The touches of each body, for every point that it acts on, ascending. Valid until the next call with another time or other
   /// positions. Computed once for all callers.
-  const std::vector<Touch>& findTouches(std::size_t body, double time, const model::State& state) const;
+  const std::vector<std::vector<Touch>>& findTouches(double time, const model::State& state) const;
 
   /// Whether contact with this tool is damped. Springs stiffer than those of surfaces always are: points that leave a tool and
   /// return within few sub-steps would gain energy.
@@ -256,7 +263,7 @@ class ContactLoad : public solve::ExternalLoad {
   bool hasFriction() const {
     return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return tool::hasFriction(body.tool); });
   }
-  /// visit(begin(tool), touch) for the touches of all tools with friction; begin is called once per tool.
+  /// visit(begin(tool), touch) for the touches of all tools with friction; begin is called once per tool that touches.
   template <typename Begin, typename Visit>
   void forEachRubbingTouch(double time, const model::State& state, const Begin& begin, const Visit& visit) const {
     forEachTouch(tool::hasFriction, time, state, begin, visit);
@@ -282,10 +289,11 @@ class ContactLoad : public solve::ExternalLoad {
   template <typename IsMeant, typename Begin, typename Visit>
   void forEachTouch(const IsMeant& isMeant, double time, const model::State& state, const Begin& begin,
                     const Visit& visit) const {
+    const std::vector<std::vector<Touch>>& touches = findTouches(time, state);
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      if (!isMeant(bodies_[b].tool)) continue;
+      if (touches[b].empty() || !isMeant(bodies_[b].tool)) continue;
       const auto body = begin(bodies_[b].tool);
-      for (const Touch& touch : findTouches(b, time, state)) visit(body, touch);
+      for (const Touch& touch : touches[b]) visit(body, touch);
     }
   }
   void listTouchesBetween(const Body& body, double time, const tool::Pose& pose, const Points& positions, double largest_growth,
@@ -297,6 +305,9 @@ class ContactLoad : public solve::ExternalLoad {
                    const std::vector<Touch>& touches, Choice choice);
   bool updateAlone(double time, double step, const model::State& state, const std::vector<char>& held, std::size_t b);
   void predict(double step, const model::State& state);
+  /// visit(i, its item of passed or null) for the points of the last beginStep() that a ball may hold, and the passed ones.
+  template <class Visit>
+  void visitNear(const Vec3& centre, double radius, const std::vector<Passed>& passed, const Visit& visit) const;
   /// Whether points between share the area of a cell with its simulation point.
   bool isShared(const geometry::Solid& shape, Index cell) const;
   /// N/m, of the pad that a point presses on.
@@ -308,14 +319,18 @@ class ContactLoad : public solve::ExternalLoad {
   bool isPadded(Index point) const { return padOf(point, true) < rate_ * rate_ * points_.massOf(point); }
   double grow(double time, const model::State& state, const std::vector<char>& held, std::size_t b);
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
-  double potentialOf(std::size_t body, double time, const model::State& state) const;
-  // Keeps the memory.
-  void forgetTouches() {
-    for (Touches& touches : touches_) touches.are_known = false;
-  }
-  /// to_choose: near_ also has the cells of which all points between are spare.
-  void listTouches(std::size_t b, double time, const model::State& state, bool to_choose, std::vector<Touch>& touches) const;
-  void listNear(std::size_t body, double time, double within, const model::State& state, std::vector<Index>& near) const;
+  void forgetTouches() { are_touches_known_ = false; }
+  /// Brings boxes_at_ up to date. Returns whether the positions are others than in the last call.
+  bool boxPoints(const Points& positions) const;
+  /// boxes: of the positions. to_choose: near_ also has the cells of which all points between are spare.
+  void listTouches(std::size_t b, double time, const model::State& state, const geometry::PointBoxes& boxes, bool to_choose,
+                   std::vector<Touch>& touches) const;
+  double ahead() const { return rate_ > 0.0 ? kAhead / rate_ : 0.0; }
+  /// m/s, of all points.
+  static double findFastest(const model::State& state);
+  /// Writes the simulation points that carry a touch of a tool, or may do so within a time (s), into near_points_, ascending.
+  /// fastest: findFastest().
+  void listNear(std::size_t body, double time, double within, double fastest, const model::State& state) const;
   double totalMass() const;
 
   ContactPoints points_;
@@ -326,6 +341,7 @@ class ContactLoad : public solve::ExternalLoad {
   mutable double seconds_ = 0.0;
   Points before_;       // m, of the last beginStep()
   model::State ahead_;  // where its points would be at the end of the step at present velocities; no more of the state is set
+  geometry::PointBoxes boxes_before_, boxes_ahead_;
   // Scratch of listTouches().
   struct NearCell {
     Index cell;
@@ -333,15 +349,13 @@ class ContactLoad : public solve::ExternalLoad {
   };
   mutable std::vector<NearCell> near_;
   mutable std::vector<double> touched_;     // (m) of listNear(): above zero for points that carry a touch now
-  mutable std::vector<Index> near_points_;  // of addRowBounds()
+  mutable std::vector<Index> near_points_;  // of listNear()
   // Result of findTouches().
-  struct Touches {
-    bool are_known = false;
-    std::vector<Touch> list;
-  };
-  mutable double touched_time_ = 0.0;     // s, of the touches
-  mutable Points touched_at_;             // m, positions of the touches
-  mutable std::vector<Touches> touches_;  // by body; empty: none yet
+  mutable bool are_touches_known_ = false;
+  mutable double touched_time_ = 0.0;      // s
+  mutable Points touched_at_;              // m
+  mutable geometry::PointBoxes boxes_at_;  // around touched_at_
+  mutable std::vector<std::vector<Touch>> touches_;
   std::vector<Passed> scratch_;
   std::vector<Touch> pressing_;         // scratch
   std::vector<Pressed> grown_, spare_;  // scratch; spare_: newly chosen, with their depth in place of growth

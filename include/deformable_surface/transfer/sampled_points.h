@@ -50,6 +50,8 @@ class SampledPoints {
   /// Largest distance, m, at rest, of the samples of a cell from its simulation point: of those that are no places, and of all.
   double radius(Index cell) const { return radius_[cell]; }
   double extent(Index cell) const { return extent_[cell]; }
+  /// The same of all cells.
+  double largestExtent() const { return largest_extent_; }
   /// Bound of the distance of a sample from the simulation point of its cell, as a fraction of findReach().
   double share(Index s) const { return share_[s]; }
   /// Largest distance, m, of the samples of the cell from the planes fitted through the simulation points at rest.
@@ -104,6 +106,7 @@ class SampledPoints {
   std::vector<Use> use_;                          // (s), or empty
   std::vector<double> share_;                     // (s)
   std::vector<double> radius_, extent_, height_;  // (m)
+  double largest_extent_ = 0.0;                   // m
   std::vector<double> spread_;  // (m) m, at rest, from the simulation point of the cell to the farthest of its sources
   Lists sources_;               // (m)
 };
