@@ -496,6 +496,7 @@ void ContactLoad::listNear(std::size_t b, double time, double within, double fas
   const tool::Motion now = tool::findMotion(tool.path, time), later = tool::findMotion(tool.path, time + within);
   const transfer::SampledPoints* const between = tool::isPushing(tool) ? points_.between() : nullptr;
   const std::vector<Touch>& touches = findTouches(time, state)[b];
+  touched_.reserve(state.size());
   touched_.assign(touches.empty() ? 0 : state.size(), 0.0);
   for (const Touch& touch : touches) points_.addRowBound(touch.point, 1.0, touched_);
   const auto mayBeNear = [&](Index i) {

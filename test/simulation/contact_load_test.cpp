@@ -123,7 +123,8 @@ TEST(ContactLoad, RunsOfPointsThatAreSkippedChangeNothing) {
     tool.path[1].position = tool.path[0].position + 0.3 * Vec3(u(random), u(random), u(random));
     tool.path[1].orientation = Vec4(u(random), u(random), u(random), u(random)).normalized();
     tool.friction = 0.5;
-    simulation::ContactLoad of_rows(std::vector<double>(n, 1.0)), of_all(std::vector<double>(n, 1.0));
+    const std::vector<double> masses(n, 1.0);
+    simulation::ContactLoad of_rows(masses), of_all(masses);
     const auto listPassed = [&](const simulation::ContactLoad& load, const auto& number) {
       std::vector<Index> passed;
       for (const auto& item : load.all()[0].passed) passed.push_back(number(item.point));
