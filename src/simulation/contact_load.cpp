@@ -201,7 +201,7 @@ void ContactLoad::listTouchesBetween(const Body& body, double time, const tool::
     const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, std::max(growth, 0.0));
     const double depth = growth - d.distance;
     if (!(depth > 0.0)) return;
-    const double own = rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p)), pad = padOf(p, true);
+    const double own = stiffening_ * rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p)), pad = padOf(p, true);
     const double stiffness = std::min(own, pad), softness = own > pad ? pad / own : 1.0;
     touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
   };
@@ -243,7 +243,8 @@ void ContactLoad::chooseAlone(const Body& body, double time, const Points& posit
   for (const Passed& passed : body.passed) deepest_[passed.point].depth = std::numeric_limits<double>::infinity();
   const tool::Pose pose = tool::interpolate(body.tool.path, time);
   const Index m = points_.numSimulated();
-  const double thickness = geometry::findSmallestExtent(body.tool.shape), width = findWidth(body.tool.shape);
+  const bool has_tip = body.tool.shape.kind == geometry::Solid::Kind::kCone;
+  const double thickness = geometry::findSmallestExtent(body.tool.shape), width = has_tip ? 0.0 : findWidth(body.tool.shape);
   Index looked = 0;
   for (const NearCell& near : near_) {
     const Deepest& deepest = deepest_[near.cell];

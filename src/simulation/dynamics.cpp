@@ -188,11 +188,12 @@ void Dynamics::setTools(std::vector<tool::ToolParams> tools) {
   grips_.setTools(tools_);
 }
 
-// Once, when the first solid tool comes. What is cut has left some of them without a side.
+// Once, when the first solid tool comes that may touch them. What is cut has left some of them without a side.
 void Dynamics::placePointsBetween() {
   if (!has_between_ && std::any_of(tools_.begin(), tools_.end(), tool::isPushing)) {
-    has_between_ = true;
-    loads_.contact.setBetween(kind_.makeBetween(params_, *rest_));
+    const std::vector<model::WeightedTriangle>& skin = outside();
+    has_between_ = !skin.empty();
+    loads_.contact.setBetween(kind_.makeBetween(params_, *rest_, skin));
   }
   const transfer::SampledPoints* const between = loads_.contact.points().between();
   if (!between || !model_->links()) return;

@@ -49,7 +49,8 @@ std::vector<model::WeightedTriangle> ModelKind::findSkin(const RestSurface&, con
   return trianglesOf(model);
 }
 
-std::shared_ptr<const transfer::SampledPoints> ModelKind::makeBetween(const SceneParams&, const RestSurface&) const {
+std::shared_ptr<const transfer::SampledPoints> ModelKind::makeBetween(const SceneParams&, const RestSurface&,
+                                                                      const std::vector<model::WeightedTriangle>&) const {
   return nullptr;
 }
 

@@ -56,10 +56,15 @@ std::vector<std::vector<Index>> listCells(const cloud::CleanCloud& dense, const 
   return cells;
 }
 
+std::vector<model::WeightedTriangle> listTriangles(const RestSurface& surface) {
+  std::vector<model::WeightedTriangle> triangles;
+  for (const cloud::Triangle& t : surface.rings.triangles)
+    triangles.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
+  return triangles;
+}
+
 // All places on the triangles between the simulation points, kParts to a side, without the corners.
-std::vector<PlaceOnTriangle> listPlaces(const RestSurface& surface) {
-  std::vector<model::WeightedTriangle> given;
-  for (const cloud::Triangle& t : surface.rings.triangles) given.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
+std::vector<PlaceOnTriangle> listPlaces(const std::vector<model::WeightedTriangle>& given) {
   std::set<std::pair<Index, Index>> sides;
   std::vector<PlaceOnTriangle> places;
   constexpr double kPart = 1.0 / kParts;
@@ -103,7 +108,7 @@ class Sample {
   void addPlaces() {
     const auto isFew = [](const std::vector<Index>& cell) { return static_cast<Index>(cell.size()) < kFew; };
     if (std::none_of(cells_.begin(), cells_.end(), isFew)) return;
-    for (const PlaceOnTriangle& place : listPlaces(surface_)) {
+    for (const PlaceOnTriangle& place : listPlaces(listTriangles(surface_))) {
       const Index i = place.nearest();
       if (!isFew(cells_[i])) continue;
       const Vec3 p = place.interpolate(surface_.points);
@@ -163,9 +168,14 @@ std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const ScenePa
 }
 
 std::shared_ptr<const transfer::SampledPoints> choosePlacesOnTriangles(const SceneParams& params, const RestSurface& surface) {
-  const std::vector<PlaceOnTriangle> places =
-      params.contact.cloud_points > 0 ? listPlaces(surface) : std::vector<PlaceOnTriangle>();
-  return places.empty() ? nullptr : std::make_shared<transfer::SampledPoints>(places, surface.points);
+  return choosePlacesOnTriangles(params, listTriangles(surface), surface.points);
+}
+
+std::shared_ptr<const transfer::SampledPoints> choosePlacesOnTriangles(const SceneParams& params,
+                                                                       const std::vector<model::WeightedTriangle>& triangles,
+                                                                       const Points& rest) {
+  if (params.contact.cloud_points == 0 || triangles.empty()) return nullptr;
+  return std::make_shared<transfer::SampledPoints>(listPlaces(triangles), rest);
 }
 
 std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, const cloud::CleanCloud& dense,

@@ -20,6 +20,10 @@ constexpr Index kMostPoints = 32;  // of a cell: a sixth of the spacing apart
 /// For a surface of which every point is simulated: places on the flat triangles between its points, a quarter of a side apart.
 /// All are spare. Null if params.contact.cloud_points is 0.
 std::shared_ptr<const transfer::SampledPoints> choosePlacesOnTriangles(const SceneParams& params, const RestSurface& surface);
+/// The same on given triangles, as around a body. rest: (n x 3) m, of their corners.
+std::shared_ptr<const transfer::SampledPoints> choosePlacesOnTriangles(const SceneParams& params,
+                                                                       const std::vector<model::WeightedTriangle>& triangles,
+                                                                       const Points& rest);
 
 /// Points in a cell at most: they resolve the edge of a loaded patch to about a sixth of the spacing.
 constexpr Index kMostLoadPoints = 32;

@@ -57,7 +57,8 @@ std::shared_ptr<const transfer::SampledPoints> chooseWatched(const Dynamics& lev
   const bool touches = !level.kind().traits().is_oriented;
   if (touches && params.contact.cloud_points >= kWatched) return level.loads().contact.points().sharedBetween();
   params.contact.cloud_points = kWatched;
-  return touches ? level.kind().makeBetween(params, rest) : choosePointsBetween(params, rest.dense, rest, false);
+  return touches ? level.kind().makeBetween(params, rest, trianglesOf(level.model()))
+                 : choosePointsBetween(params, rest.dense, rest, false);
 }
 
 }  // namespace

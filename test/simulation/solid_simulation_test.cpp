@@ -1,4 +1,5 @@
 // Elastic solids as scenes: building from a cloud, motion, fewer points, and refused scenes.
+#include "../model/solids.h"
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -356,6 +357,43 @@ TEST(SolidSimulation, ABallFeelsInMotionWhatItFeelsInEquilibrium) {
   EXPECT_GT(in_equilibrium, 0.1);
   EXPECT_GT(in_motion, 0.94 * in_equilibrium);
   EXPECT_LT(in_motion, 1.01 * in_equilibrium);
+}
+
+// Hertz's half-space, up to a depth of a fifth of the block. Without places on the skin the ball of four spacings goes through,
+// and one of two spacings meets hardly any force.
+TEST(SolidSimulation, ABallPressedDeepBetweenThePointsFeelsTheBody) {
+  const double spacing = 0.2 / 12.0;
+  cloud::PointCloud block;
+  block.positions = makeBox(13, 13, 7, spacing, 0.2);
+  for (const double radius : {spacing, 2.0 * spacing}) {
+    SceneParams scene = makeBarScene();
+    scene.gravity.setZero();
+    scene.material.young_modulus = 2e4;
+    scene.material.poisson_ratio = 0.3;
+    scene.material.damping = 5.0;
+    scene.accuracy.estimate = false;
+    scene.pins.front().region.min = Vec3(-1.0, -1.0, -1.0);
+    scene.pins.front().region.max = Vec3(1.0, 1.0, 0.001);
+    tool::ToolParams ball;
+    ball.id = "ball";
+    ball.shape.radius = radius;
+    const Vec3 top(0.103, 0.104, 0.1 + radius);
+    ball.path = {{0.0, top, Vec4(0.0, 0.0, 0.0, 1.0)}, {0.6, top - Vec3(0.0, 0.0, 0.06), Vec4(0.0, 0.0, 0.0, 1.0)}};
+    scene.tools = {ball};
+    Simulation s(scene, block);
+    std::vector<double> force;  // N, at depths of 20, 40 and 60 mm
+    for (int third = 0; third < 3; ++third) {
+      run(s, 20);
+      force.push_back(s.toolReactions().front().force.z());
+    }
+    const double hertz = 4.0 / 3.0 * 2e4 / (1.0 - 0.3 * 0.3) * std::sqrt(radius) * std::pow(0.02, 1.5);
+    EXPECT_GT(force[0], 0.7 * hertz) << radius;
+    EXPECT_LT(force[0], 1.3 * hertz) << radius;
+    if (radius > 1.5 * spacing) {
+      EXPECT_GT(force[1], 1.5 * force[0]);
+      EXPECT_GT(force[2], force[1]);
+    }
+  }
 }
 
 TEST(SolidSimulation, ABallOnAFloorWithoutFrictionGainsNoEnergy) {

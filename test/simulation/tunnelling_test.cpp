@@ -191,8 +191,9 @@ TEST(Tunnelling, AToolThatIsWiderThanTheDistanceOfPointsIsNotCalledNarrower) {
 
 // How many notices tell that this tool has passed through a block of elastic solid, 0.2 m x 0.2 m x 0.1 m, held at its lower
 // side.
-int countPassages(const tool::ToolParams& tool) {
+int countPassages(const tool::ToolParams& tool, bool touches_places = true) {
   simulation::SceneParams p;
+  if (!touches_places) p.contact.cloud_points = 0;
   p.model = "elastic_solid";
   p.material.young_modulus = 2e4;
   p.material.damping = 5.0;
@@ -216,14 +217,20 @@ int countPassages(const tool::ToolParams& tool) {
   return told;
 }
 
-// Pressed less deep, it dents the body.
+// Pressed less deep, or with places on the skin, it dents the body. A ball smaller than the spacing comes in between the places.
 TEST(Tunnelling, ABallThatComesIntoABodyIsReportedOnce) {
-  tool::ToolParams ball;
-  ball.id = "tip";
-  ball.shape.radius = 0.03;
-  for (const double end : {0.05, 0.1}) {
-    ball.path = {{0.0, Vec3(0.1, 0.1, 0.13), Vec4(0.0, 0.0, 0.0, 1.0)}, {0.5, Vec3(0.1, 0.1, end), Vec4(0.0, 0.0, 0.0, 1.0)}};
-    EXPECT_EQ(countPassages(ball), end < 0.1 ? 1 : 0) << end;
+  struct Case {
+    double radius, end;  // m, of the ball's middle
+    bool touches_places;
+    int told;
+  };
+  for (const Case& c : {Case{0.03, 0.05, true, 0}, {0.03, 0.05, false, 1}, {0.03, 0.1, false, 0}, {0.006, 0.05, true, 1}}) {
+    tool::ToolParams ball;
+    ball.id = "tip";
+    ball.shape.radius = c.radius;
+    const Vec3 start(0.1, 0.1, 0.1 + c.radius);
+    ball.path = {{0.0, start, Vec4(0.0, 0.0, 0.0, 1.0)}, {0.5, Vec3(0.1, 0.1, c.end), Vec4(0.0, 0.0, 0.0, 1.0)}};
+    EXPECT_EQ(countPassages(ball, c.touches_places), c.told) << c.radius << " m, down to " << c.end;
   }
 }
 

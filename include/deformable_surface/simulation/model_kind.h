@@ -107,9 +107,10 @@ class ModelKind {
 
   /// The triangles by which it meets itself (contact.self): by default those of the model.
   virtual std::vector<model::WeightedTriangle> findSkin(const RestSurface& rest, const model::DeformableModel& model) const;
-  /// Points of the cloud between the simulation points that touch tools, too (ContactPoints); null: none. They are made when the
-  /// first tool comes.
-  virtual std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const;
+  /// Points between the simulation points that touch tools, too (ContactPoints): of the cloud, or on triangles; null: none. They
+  /// are made when the first tool comes. skin: the triangles of the model, or around a body.
+  virtual std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest,
+                                                                     const std::vector<model::WeightedTriangle>& skin) const;
   /// The points of the cloud that carry forces with a radius; null: the simulation points alone. They are made when the first
   /// such force comes.
   virtual std::shared_ptr<const LoadPoints> makeLoadPoints(const SceneParams& params, const RestSurface& rest) const;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "../../cloud_follower.h"
+#include "../../points_between.h"
 #include "rest.h"
 
 namespace deformable_surface::simulation {
@@ -69,6 +70,11 @@ class ElasticSolidKind : public ModelKind {
   }
   CoarserLevel makeCopies(const SceneParams& params, const RestSurface& level) const override {
     return makeSolidCopies(params, level);
+  }
+
+  std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest,
+                                                             const std::vector<model::WeightedTriangle>& skin) const override {
+    return choosePlacesOnTriangles(params, skin, rest.points);
   }
 
   std::vector<model::WeightedTriangle> findSkin(const RestSurface& rest, const model::DeformableModel& model) const override {

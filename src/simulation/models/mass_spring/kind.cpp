@@ -85,7 +85,8 @@ class MassSpringKind : public ModelKind {
     return copyCoarserMassSpring(params, of);
   }
 
-  std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const override {
+  std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest,
+                                                             const std::vector<model::WeightedTriangle>&) const override {
     if (rest.dense.positions.empty()) return rest.between;
     const bool is_whole = rest.dense.positions.size() <= rest.points.size();
     return is_whole ? choosePlacesOnTriangles(params, rest) : choosePointsBetween(params, rest.dense, rest, true);
