@@ -111,11 +111,8 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
   const Body& body = bodies_[b];
   const Points& positions = state.positions;
   touches.clear();
-  touches.reserve(points_.size());
   near_.clear();
-  near_.reserve(points_.between() ? positions.size() : 0);
   const ToolParams& tool = body.tool;
-  auto passed = body.passed.begin();
   if (!body.acts.value_or(tool::isActive(tool, time))) return;
   const tool::Pose pose = tool::interpolate(tool.path, time);
   const bool pushing = tool::isPushing(tool);
@@ -125,8 +122,14 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
   const transfer::SampledPoints* const between = pushing ? points_.between() : nullptr;
   double largest_growth = 0.0;
   for (const Pressed& point : body.pressed) largest_growth = std::max(largest_growth, point.growth);
+  const double farthest_between = between ? radius + largest_growth + kMostStretch * between->largestExtent() : 0.0;
+  const double farthest = std::max(ball, farthest_between);
+  if (body.passed.empty() && body.pressed.empty() && !boxes.mayMeet(pose.position, farthest)) return;
+  touches.reserve(points_.size());
+  near_.reserve(between ? positions.size() : 0);
+  auto passed = body.passed.begin();
   auto pressed = body.pressed.begin();
-  const auto look = [&](Index i) {
+  const auto lookAt = [&](Index i) {
     // Most points are far from most tools, and are skipped here.
     const bool is_passed = passed != body.passed.end() && passed->point == i;
     const bool is_pressed = pressed != body.pressed.end() && pressed->point == i;
@@ -136,8 +139,8 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     double reach = 0.0;
     const bool has_near = between && (to_choose || between->beginSpare(i) > between->begin(i));
     if (has_near && mayTouchBetween(tool.shape, *between, i)) {
-      const double farthest = radius + largest_growth + kMostStretch * between->extent(i);
-      if (!(squared_distance > farthest * farthest)) reach = between->findReach(i, positions);
+      const double farthest_of_cell = radius + largest_growth + kMostStretch * between->extent(i);
+      if (!(squared_distance > farthest_of_cell * farthest_of_cell)) reach = between->findReach(i, positions);
     }
     if (!is_passed && growth == 0.0 && squared_distance > squared_ball && reach == 0.0) return;
     const double look = reach > 0.0 ? reach + largest_growth : growth;
@@ -170,8 +173,6 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     touches.push_back(
         {i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
   };
-  const double farthest_between = between ? radius + largest_growth + kMostStretch * between->largestExtent() : 0.0;
-  const double farthest = std::max(ball, farthest_between);
   const Index n = static_cast<Index>(positions.size());
   for (Index begin = 0; begin < n; begin += geometry::PointBoxes::kRun) {
     endIfInterrupted(begin, kLook);
@@ -180,7 +181,7 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     const bool has_passed = passed != body.passed.end() && passed->point < end;
     const bool has_pressed = pressed != body.pressed.end() && pressed->point < end;
     if (!is_near && !has_passed && !has_pressed) continue;
-    for (Index i = begin; i < end; ++i) look(i);
+    for (Index i = begin; i < end; ++i) lookAt(i);
   }
   if (between) listTouchesBetween(body, time, pose, positions, largest_growth, touches);
 }
