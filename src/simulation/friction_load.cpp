@@ -19,9 +19,16 @@ std::uint64_t keyOf(const std::string& id) {
   return hash;
 }
 
-const BodyAnchor* findAnchor(const std::vector<BodyAnchor>& anchors, std::uint64_t body, Index point) {
-  const auto at =
-      std::lower_bound(anchors.begin(), anchors.end(), point, [&](const BodyAnchor& a, Index p) { return a.isBefore(body, p); });
+using Anchors = std::vector<BodyAnchor>;
+
+// The first anchor that is not before a point of a body.
+Anchors::const_iterator findFrom(const Anchors& anchors, std::uint64_t body, Index point) {
+  return std::lower_bound(anchors.begin(), anchors.end(), point,
+                          [&](const BodyAnchor& a, Index p) { return a.isBefore(body, p); });
+}
+
+// The anchor at an iterator, if it is that of the point.
+const BodyAnchor* match(const Anchors& anchors, Anchors::const_iterator at, std::uint64_t body, Index point) {
   return at != anchors.end() && at->body == body && at->point == point ? &*at : nullptr;
 }
 
@@ -34,11 +41,11 @@ FrictionLoad::Rubbing FrictionLoad::beginRubbing(const tool::ToolParams& tool, d
           tool::findMotion(tool.path, time)};
 }
 
-FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const model::State& state, const ContactLoad::Touch& touch) const {
+FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const BodyAnchor* anchor, const model::State& state,
+                                        const ContactLoad::Touch& touch) const {
   const Vec3& x = touch.position;
   const double rate = contact_.rate(), pressing = touch.force.norm(), full = contact_.points().massOf(touch.point) * rate * rate;
   const double spring = touch.softness < 1.0 ? std::min(full, touch.stiffness) : full;
-  const BodyAnchor* const anchor = findAnchor(state.friction, body.key, touch.point);
   const Vec3 moved = anchor ? Vec3(x - body.pose.position - body.pose.orientation * anchor->place) : Vec3::Zero();
   return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing, spring,
            2.0 * ContactDamping::kShare * std::sqrt(spring / full) * contact_.points().dampedMassOf(touch.point) * rate},
@@ -50,14 +57,25 @@ FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const model::State&
 
 Vec3 FrictionLoad::findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const {
   const tool::ToolParams& tool = contact_.all()[body].tool;
-  return tool::hasFriction(tool) ? findRub(beginRubbing(tool, time), state, touch).force() : Vec3::Zero();
+  if (!tool::hasFriction(tool)) return Vec3::Zero();
+  const Rubbing rubbing = beginRubbing(tool, time);
+  const auto at = findFrom(state.friction, rubbing.key, touch.point);
+  return findRub(rubbing, match(state.friction, at, rubbing.key, touch.point), state, touch).force();
 }
 
+// The touches of a body are ascending, as are the anchors.
 template <typename Visit>
 void FrictionLoad::forEachRub(double time, const model::State& state, const Visit& visit) const {
-  const auto begin = [&](const tool::ToolParams& tool) { return beginRubbing(tool, time); };
+  const Anchors& anchors = state.friction;
+  auto at = anchors.end();
+  const auto begin = [&](const tool::ToolParams& tool) {
+    const Rubbing body = beginRubbing(tool, time);
+    at = findFrom(anchors, body.key, 0);
+    return body;
+  };
   contact_.forEachRubbingTouch(time, state, begin, [&](const Rubbing& body, const ContactLoad::Touch& touch) {
-    visit(body, touch, findRub(body, state, touch));
+    while (at != anchors.end() && at->isBefore(body.key, touch.point)) ++at;
+    visit(body, touch, findRub(body, match(anchors, at, body.key, touch.point), state, touch));
   });
 }
 
@@ -113,7 +131,9 @@ void FrictionLoad::remember(double time, double step, model::State& state) const
     const Vec3 place = body.pose.orientation.conjugate() * (touch.position - stretch - body.pose.position);
     next_.push_back({body.key, touch.point, place, slid});
   });
-  std::sort(next_.begin(), next_.end(), [](const BodyAnchor& a, const BodyAnchor& b) { return a.isBefore(b.body, b.point); });
+  // Those of one tool are in order already.
+  const auto isBefore = [](const BodyAnchor& a, const BodyAnchor& b) { return a.isBefore(b.body, b.point); };
+  if (!std::is_sorted(next_.begin(), next_.end(), isBefore)) std::sort(next_.begin(), next_.end(), isBefore);
   state.friction = next_;
 }
 

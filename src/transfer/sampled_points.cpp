@@ -137,20 +137,17 @@ Vec3 SampledPoints::findVelocity(Index s, const Points& velocities) const {
 // With N the normal before it is normalised: F . d(h n) = h / |N| f . dN, f the part of F across n, and
 // dN = dT_x x T_y + T_x x dT_y + s_x dT_x + s_y dT_y.
 void SampledPoints::scatter(Index s, const Points& simulation_now, const Vec3& force, Points& forces) const {
-  Vec3 by_x = Vec3::Zero(), by_y = Vec3::Zero();
-  if (!frame_.empty() && frame_[s].height != 0.0) {
-    const Frame& frame = frame_[s];
-    const Tangents t = findTangents(s, simulation_now);
-    const double length = t.normal.norm();
-    const Vec3 n = t.normal / length, f = frame.height / length * (force - force.dot(n) * n);
-    by_x = t.y.cross(f) + frame.slope_x * f;
-    by_y = f.cross(t.x) + frame.slope_y * f;
+  if (frame_.empty() || frame_[s].height == 0.0) {
+    for (Index e = s * k_; e < (s + 1) * k_; ++e) forces[source_[e]] += value_[e] * force;
+    return;
   }
-  for (Index e = s * k_; e < (s + 1) * k_; ++e) {
-    Vec3 share = value_[e] * force;
-    if (!gradient_.empty()) share += gradient_[e].x * by_x + gradient_[e].y * by_y;
-    forces[source_[e]] += share;
-  }
+  const Frame& frame = frame_[s];
+  const Tangents t = findTangents(s, simulation_now);
+  const double length = t.normal.norm();
+  const Vec3 n = t.normal / length, f = frame.height / length * (force - force.dot(n) * n);
+  const Vec3 by_x = t.y.cross(f) + frame.slope_x * f, by_y = f.cross(t.x) + frame.slope_y * f;
+  for (Index e = s * k_; e < (s + 1) * k_; ++e)
+    forces[source_[e]] += value_[e] * force + (gradient_[e].x * by_x + gradient_[e].y * by_y);
 }
 
 SampledPoints SampledPoints::takePart(const std::vector<Index>& new_index, Index new_size, std::vector<Index>& old) const {

@@ -57,7 +57,9 @@ class FrictionLoad : public solve::ExternalLoad {
   Rubbing beginRubbing(const tool::ToolParams& tool, double time) const;
   template <typename Visit>  // visit(rubbing, touch, rub)
   void forEachRub(double time, const model::State& state, const Visit& visit) const;
-  Rub findRub(const Rubbing& body, const model::State& state, const ContactLoad::Touch& touch) const;
+  /// anchor: of the touched point, or null.
+  Rub findRub(const Rubbing& body, const contact::BodyAnchor* anchor, const model::State& state,
+              const ContactLoad::Touch& touch) const;
 
   mutable std::vector<contact::BodyAnchor> next_;  // scratch
   const ContactLoad& contact_;
