@@ -42,6 +42,34 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
   return !is_flat || between.height(cell) > kFlat * between.extent(cell);
 }
 
+// Distances from the edges of a flat face, over the radius of a cell: nearer than the first all of its points touch, farther
+// than the second only its simulation point.
+constexpr double kNearEdge = 3.0, kFarFromEdge = 6.0;
+
+// The share with which points of a cell touch a tool beside its simulation point, and its gradient, 1/m.
+struct EdgeShare {
+  double value = 1.0;
+  Vec3 gradient = Vec3::Zero();
+};
+EdgeShare findEdgeShare(const geometry::Solid& shape, const tool::Pose& pose, const transfer::SampledPoints& between, Index cell,
+                        const Points& positions) {
+  const double extent = between.extent(cell);
+  const bool may_be_flat = shape.kind == geometry::Solid::Kind::kBox && !between.areLinear();
+  if (!may_be_flat || between.height(cell) > kFlat * extent) return {};
+  const Vec3 place = pose.orientation.conjugate() * (positions[cell] - pose.position);
+  const Vec3 beyond = place.cwiseAbs() - 0.5 * shape.size;
+  int face, side;
+  beyond.maxCoeff(&face);
+  side = face == 0 ? 1 : 0;
+  for (int k = 0; k < 3; ++k)
+    if (k != face && beyond[k] > beyond[side]) side = k;
+  const double width = (kFarFromEdge - kNearEdge) * extent, t = (-beyond[side] - kNearEdge * extent) / width;
+  if (!(t > 0.0)) return {};
+  if (!(t < 1.0)) return {0.0, Vec3::Zero()};
+  const double slope = 6.0 * t * (1.0 - t) / width;
+  return {1.0 - t * t * (3.0 - 2.0 * t), pose.orientation * Vec3(std::copysign(slope, place[side]) * Vec3::Unit(side))};
+}
+
 // Of the radius of a cell, which is about half of the spacing: less is not deeper. The second is for places on triangles.
 constexpr double kDeeper = 0.01, kDeeperPlace = 0.02;
 // Places on triangles count where the surface is stretched by the first factor, and for tools narrower than the second times the
@@ -140,7 +168,10 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     const bool has_near = between && (to_choose || between->beginSpare(i) > between->begin(i));
     if (has_near && mayTouchBetween(tool.shape, *between, i)) {
       const double farthest_of_cell = radius + largest_growth + kMostStretch * between->extent(i);
-      if (!(squared_distance > farthest_of_cell * farthest_of_cell)) reach = between->findReach(i, positions);
+      if (!(squared_distance > farthest_of_cell * farthest_of_cell)) {
+        const bool is_inland = findEdgeShare(tool.shape, pose, *between, i, positions).value == 0.0;
+        if (!is_inland) reach = between->findReach(i, positions);
+      }
     }
     if (!is_passed && growth == 0.0 && squared_distance > squared_ball && reach == 0.0) return;
     const double look = reach > 0.0 ? reach + largest_growth : growth;
@@ -166,7 +197,7 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     }
     const double depth = (is_held_up ? 0.0 : growth) - d.distance;
     if (!(depth > 0.0)) return;
-    const double pad = padOf(i, compliance_ > 0.0 && isShared(tool.shape, i));
+    const double pad = padAt(tool, pose, i, positions);
     const double softness = stiffness > pad ? pad / stiffness : 1.0;
     if (softness == 0.0) return;  // inside a body
     stiffness = std::min(stiffness, pad);
@@ -202,9 +233,12 @@ void ContactLoad::listTouchesBetween(const Body& body, double time, const tool::
     const geometry::SignedDistance d = tool::findSignedDistance(body.tool.shape, pose, position, std::max(growth, 0.0));
     const double depth = growth - d.distance;
     if (!(depth > 0.0)) return;
+    const EdgeShare share = findEdgeShare(body.tool.shape, pose, between, points_.simulationPointOf(p), positions);
+    if (share.value == 0.0) return;
     const double own = stiffening_ * rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p)), pad = padOf(p, true);
     const double stiffness = std::min(own, pad), softness = own > pad ? pad / own : 1.0;
-    touches.push_back({p, position, d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
+    const Vec3 force = share.value * stiffness * depth * d.normal - 0.5 * stiffness * depth * depth * share.gradient;
+    touches.push_back({p, position, d.distance, d.normal, force, depth, share.value * stiffness, share.value * softness, returning});
   };
   auto pressed = std::lower_bound(body.pressed.begin(), body.pressed.end(), m, isBelow);
   const auto lookPressedBefore = [&](Index p) {
@@ -332,6 +366,14 @@ bool ContactLoad::isShared(const geometry::Solid& shape, Index cell) const {
   return points_.between() && mayTouchBetween(shape, *points_.between(), cell);
 }
 
+double ContactLoad::padAt(const ToolParams& tool, const tool::Pose& pose, Index point, const Points& positions) const {
+  const Index cell = points_.simulationPointOf(point);
+  if (!(compliance_ > 0.0) || !isShared(tool.shape, cell)) return padOf(point, false);
+  const double share = findEdgeShare(tool.shape, pose, *points_.between(), cell, positions).value;
+  if (share == 1.0) return padOf(point, true);
+  return points_.isBetween(point) ? share * padOf(point, true) : share * padOf(point, true) + (1.0 - share) * padOf(point, false);
+}
+
 double ContactLoad::ownCompliance() const {
   double largest = 0.0;
   for (const Body& body : bodies_)
@@ -348,6 +390,7 @@ double ContactLoad::grow(double time, const model::State& state, const std::vect
   grown_.clear();
   if (!tool::isPushing(body.tool)) return change;
   boxPoints(state.positions);
+  const tool::Pose pose = tool::interpolate(body.tool.path, time);
   listTouches(b, time, state, boxes_at_, true, pressing_);
   auto passed = body.passed.begin();
   for (const Touch& touch : pressing_) {
@@ -355,7 +398,7 @@ double ContactLoad::grow(double time, const model::State& state, const std::vect
     const bool is_passed = passed != body.passed.end() && passed->point == touch.point;
     if (is_passed || points_.isHeld(touch.point, held)) continue;
     // The growth so far and the depth, less that of the pad.
-    const double pad = padOf(touch.point, compliance_ > 0.0 && isShared(body.tool.shape, points_.simulationPointOf(touch.point)));
+    const double pad = padAt(body.tool, pose, touch.point, state.positions);
     grown_.push_back({touch.point, std::clamp((1.0 - touch.stiffness / pad) * touch.pressed, 0.0, most_growth_)});
     const double before = touch.pressed + touch.distance;
     change = std::max(change, std::abs(grown_.back().growth - before));

@@ -315,6 +315,8 @@ class ContactLoad : public solve::ExternalLoad {
     return compliance_ > 0.0 ? contact::findPadStiffness(points_.areaOf(point, is_shared), compliance_)
                              : std::numeric_limits<double>::infinity();
   }
+  /// N/m, of the pad at a point that presses on it: far from the edges of a flat face simulation points have the whole area.
+  double padAt(const tool::ToolParams& tool, const tool::Pose& pose, Index point, const Points& positions) const;
   /// Whether the pad is softer than contact at a point that shares its cell.
   bool isPadded(Index point) const { return padOf(point, true) < rate_ * rate_ * points_.massOf(point); }
   double grow(double time, const model::State& state, const std::vector<char>& held, std::size_t b);
