@@ -200,9 +200,14 @@ void ContactLoad::listTouches(std::size_t b, double time, const model::State& st
     const double pad = padAt(tool, pose, i, positions);
     const double softness = stiffness > pad ? pad / stiffness : 1.0;
     if (softness == 0.0) return;  // inside a body
+    Vec3 force = std::min(stiffness, pad) * depth * d.normal;
+    if (pad < stiffness && isShared(tool.shape, i)) {
+      // The area that the points between leave to it.
+      const double change = padOf(i, true) - padOf(i, false);
+      force -= 0.5 * change * depth * depth * findEdgeShare(tool.shape, pose, *between, i, positions).gradient;
+    }
     stiffness = std::min(stiffness, pad);
-    touches.push_back(
-        {i, positions[i], d.distance, d.normal, stiffness * depth * d.normal, depth, stiffness, softness, returning});
+    touches.push_back({i, positions[i], d.distance, d.normal, force, depth, stiffness, softness, returning});
   };
   const Index n = static_cast<Index>(positions.size());
   for (Index begin = 0; begin < n; begin += geometry::PointBoxes::kRun) {
@@ -238,7 +243,8 @@ void ContactLoad::listTouchesBetween(const Body& body, double time, const tool::
     const double own = stiffening_ * rate_ * rate_ * (is_alone ? points_.ownMassOf(p) : points_.massOf(p)), pad = padOf(p, true);
     const double stiffness = std::min(own, pad), softness = own > pad ? pad / own : 1.0;
     const Vec3 force = share.value * stiffness * depth * d.normal - 0.5 * stiffness * depth * depth * share.gradient;
-    touches.push_back({p, position, d.distance, d.normal, force, depth, share.value * stiffness, share.value * softness, returning});
+    touches.push_back(
+        {p, position, d.distance, d.normal, force, depth, share.value * stiffness, share.value * softness, returning});
   };
   auto pressed = std::lower_bound(body.pressed.begin(), body.pressed.end(), m, isBelow);
   const auto lookPressedBefore = [&](Index p) {

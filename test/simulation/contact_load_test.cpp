@@ -1,4 +1,5 @@
 #include "deformable_surface/simulation/contact_load.h"
+#include "../../src/simulation/points_between.h"
 #include "clouds.h"
 
 #include <gtest/gtest.h>
@@ -406,6 +407,59 @@ TEST(ContactLoad, InEquilibriaPointsLieOnTheTool) {
   const double moving = findDepth(solve::IntegratorType::kImplicit, 8.0);
   EXPECT_GT(moving, 1e-5);
   EXPECT_LT(findDepth(solve::IntegratorType::kStatic, 0.0), 0.05 * moving);
+}
+
+// A flat sheet lies a little in a large box and is moved along its face, until the box ends below its middle.
+TEST(ContactLoad, FarFromTheEdgesOfABoxOnlySimulationPointsTouchAndTheChangeIsConservative) {
+  const simulation::SceneParams p = hangingSheet();
+  const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(40));
+  const std::vector<double> masses = rest.model->masses();
+  const Index n = static_cast<Index>(masses.size());
+  const Vec3 normal = rest.normals.front(), along = normal.unitOrthogonal();
+  tool::ToolParams tool = ball(0.1, Vec3::Zero(), Vec3::Zero());
+  tool.shape.kind = geometry::Solid::Kind::kBox;
+  tool.shape.size = Vec3(6.0, 6.0, 6.0);
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond((Mat3() << along, normal.cross(along), normal).finished());  // the face is that of the z axis
+  for (auto& waypoint : tool.path) {
+    waypoint.position = rest.points.front() - (3.0 - 1e-3) * normal;
+    waypoint.orientation = turn.coeffs();
+  }
+  for (const double compliance : {0.0, 1e-4}) {
+    simulation::ContactLoad load(masses);
+    load.setBetween(simulation::choosePointsBetween(p, rest.dense, rest, true));
+    load.setTools({tool});
+    load.setRate(100.0);
+    load.setCompliance(compliance, {std::vector<double>(n, 0.01), 0.0});
+    model::State state;
+    state.velocities.assign(n, Vec3::Zero());
+    const auto moveBy = [&](double way) {
+      state.positions = rest.points;
+      for (Vec3& x : state.positions) x += way * along;
+    };
+    const auto potentialAt = [&](double way) {
+      moveBy(way);
+      return load.potential(0.0, state);
+    };
+    const auto countTouches = [&] { return static_cast<Index>(load.findTouches(0.0, state)[0].size()); };
+    moveBy(0.0);
+    EXPECT_EQ(countTouches(), n);
+    Index most = 0;
+    for (double way = 1.0; way < 3.0; way += 0.05) {
+      const double step = 1e-5, change = potentialAt(way + step) - potentialAt(way - step);
+      moveBy(way);
+      most = std::max(most, countTouches());
+      bool is_at_edge = false;  // with points of its cell, which would be pushed sideways
+      for (const Vec3& x : state.positions) is_at_edge = is_at_edge || (x - tool.path[0].position).dot(along) > 3.0 - 0.15;
+      if (is_at_edge) break;
+      Points forces(n, Vec3::Zero());
+      load.addForces(0.0, state, forces);
+      double force = 0.0;
+      for (const Vec3& f : forces) force += f.dot(along);
+      EXPECT_NEAR(force, -change / (2.0 * step), 1e-6 * load.potential(0.0, state)) << way;
+    }
+    EXPECT_GT(most, 2 * n);
+  }
 }
 
 }  // namespace
