@@ -218,9 +218,17 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       axis_before.places[k] = toWorld(from, axis[k]);
       axis_after.places[k] = toWorld(to, axis[k]);
     }
+    const EdgePlaces edges = listEdgePlaces(body.tool.shape, skin.spacing);
+    EdgePlaces edges_before = edges, edges_after = edges;
+    for (std::size_t k = 0; k < edges.places.size(); ++k) {
+      edges_before.places.places[k] = toWorld(from, edges.places[k]);
+      edges_after.places.places[k] = toWorld(to, edges.places[k]);
+    }
+    edges_after.across = to.orientation * edges.across;
     const PassageStep passage_step{
-        body.tool.shape, to,         axis_before,           axis_after,   skin.triangles, before_, state.positions,
-        body.passed,     had_passed, !body.pressed.empty(), skin.spacing, grows_,         time,    time + step};
+        body.tool.shape, to,          axis_before,           axis_after,   skin.triangles, before_, state.positions,
+        body.passed,     had_passed,  !body.pressed.empty(), skin.spacing, grows_,         time,    time + step,
+        &edges_before,   &edges_after};
     const Passage passage = skin.is_body ? findPassageIntoBody(passage_step) : findPassage(passage_step, body.through);
     if (passage == Passage::kNone) continue;
     gone_through_ = body.tool.id;
@@ -229,7 +237,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       has_let_go_ = true;
     }
     if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) continue;
-    appendNotice(notice, "tool " + quote(body.tool.id) + " has passed through the surface" + describe(passage));
+    appendNotice(notice, "tool " + quote(body.tool.id) + " has passed through the surface" + describe(passage, skin.spacing));
     reported_.push_back(body.tool.id);
   }
   return notice;

@@ -1,5 +1,7 @@
 #include "tool_passage.h"
 
+#include "deformable_surface/base/value.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +12,7 @@ constexpr int kMostPieces = 16;   // of the paths of a step
 constexpr double kFast = 0.25;    // widths of the tool in a step
 constexpr double kBehind = 0.5;   // spacings behind a thin tool
 constexpr double kMiddle = 0.5;   // of the same, for a narrow one
+constexpr double kSteep = 0.7;    // of the normal of a triangle, at most across a flat tool
 constexpr double kLasting = 0.2;  // s: a surface that is not back before a tool after that stays behind it
 
 // Whether a point went through a triangle, all with constant velocities.
@@ -103,9 +106,35 @@ int countCrossings(const Vec3& from, const Vec3& to, const PassageStep& step, do
   return crossings;
 }
 
-}  // namespace
+// Triangles that lie along the tool may be dragged into it over its edge; those that stand steep on it are cut by the edge.
+bool comesThroughByEdge(const PassageStep& step) {
+  if (!step.edges_to || step.had_passed || !step.passed.empty()) return false;
+  const AxisPoints &from = step.edges_from->places, &to = step.edges_to->places;
+  if (to.size() == 0) return false;
+  Vec3 low = from[0], high = from[0];
+  for (const AxisPoints* places : {&from, &to})
+    for (const Vec3& p : *places) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  for (const model::WeightedTriangle& t : step.triangles) {
+    const Vec3 before[3] = {step.before[t.corner[0]], step.before[t.corner[1]], step.before[t.corner[2]]};
+    const Vec3 after[3] = {step.after[t.corner[0]], step.after[t.corner[1]], step.after[t.corner[2]]};
+    Vec3 least = before[0], most = before[0];
+    for (int c = 0; c < 3; ++c) {
+      least = least.cwiseMin(before[c]).cwiseMin(after[c]);
+      most = most.cwiseMax(before[c]).cwiseMax(after[c]);
+    }
+    if ((least.array() > high.array()).any() || (most.array() < low.array()).any()) continue;
+    const Vec3 normal = (after[1] - after[0]).cross(after[2] - after[0]);
+    if (std::abs(normal.dot(step.edges_to->across)) > kSteep * normal.norm()) continue;
+    for (std::size_t k = 0; k < to.size(); ++k)
+      if (wentThrough(from[k], to[k], before, after)) return true;
+  }
+  return false;
+}
 
-Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
+Passage findPassageOfAxis(const PassageStep& step, ContactLoad::Through& through) {
   const auto isPassed = [&](Index i) {
     return std::binary_search(step.passed.begin(), step.passed.end(), ContactLoad::Passed{i, {}},
                               [](const auto& a, const auto& b) { return a.point < b.point; });
@@ -138,6 +167,13 @@ Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
   return findReason(step);
 }
 
+}  // namespace
+
+Passage findPassage(const PassageStep& step, ContactLoad::Through& through) {
+  const Passage of_axis = findPassageOfAxis(step, through);
+  return of_axis == Passage::kNone && comesThroughByEdge(step) ? findReason(step) : of_axis;
+}
+
 // Triangles of a skin that is pierced may turn over within a step, so that they cannot be followed one by one.
 Passage findPassageIntoBody(const PassageStep& step) {
   if (!step.passed.empty() && !step.is_equilibrium) return Passage::kNone;
@@ -148,10 +184,12 @@ Passage findPassageIntoBody(const PassageStep& step) {
   return Passage::kNone;
 }
 
-std::string describe(Passage passage) {
+std::string describe(Passage passage, double spacing) {
   switch (passage) {
     case Passage::kNone: break;
-    case Passage::kNarrow: return ": it is narrower than the distance of the simulation points";
+    case Passage::kNarrow:
+      return ": it is narrower than the distance of the simulation points, " + formatShort(spacing) +
+             " m; a tool wider than that, or a shorter way, may prevent it";
     case Passage::kThin:
       return ": it is thinner than the distance of the simulation points; a thicker tool or more simulation points may prevent "
              "it";

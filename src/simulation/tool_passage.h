@@ -24,6 +24,8 @@ struct PassageStep {
   double spacing;                                         // m, of the points at rest
   bool is_equilibrium;                                    // at the end
   double begins, ends;                                    // s
+  // Places near the edges of a flat tool, as from and to; null: none.
+  const EdgePlaces *edges_from = nullptr, *edges_to = nullptr;
 };
 
 enum class Passage { kNone, kNarrow, kThin, kSnapped, kIntoBody };
@@ -31,13 +33,15 @@ enum class Passage { kNone, kNarrow, kThin, kSnapped, kIntoBody };
 /// Of an open surface. kNarrow, kThin, kSnapped: the width of the tool is below the spacing, its thickness is, or neither. A
 /// surface that is passed over comes back before the tool, unless no point is pushed any more. It stays behind the tool if it is
 /// in equilibrium, or has not come back for 0.2 s. In a thin tool points may always be deeper than its middle, so there they must
-/// also be deeper than it by half, or in a narrow one a quarter, of the spacing. through: before the step, and after it.
+/// also be deeper than it by half, or in a narrow one a quarter, of the spacing. An edge of a flat tool passes where a place near
+/// it goes through a triangle that stands steep on the tool, while the tool pushes no passed points back. through: before the
+/// step, and after it.
 Passage findPassage(const PassageStep& step, ContactLoad::Through& through);
 
 /// Into a closed surface: kIntoBody or kNone.
 Passage findPassageIntoBody(const PassageStep& step);
 
-/// What a notice says after "has passed through the surface".
-std::string describe(Passage passage);
+/// What a notice says after "has passed through the surface". spacing: m, of the points at rest.
+std::string describe(Passage passage, double spacing);
 
 }  // namespace deformable_surface::simulation

@@ -20,7 +20,7 @@ double findRadius(const geometry::Solid& shape);
 double findWidth(const geometry::Solid& shape);
 
 struct AxisPoints {
-  std::array<Vec3, 3> places;
+  std::array<Vec3, 8> places;
   std::size_t count;
 
   std::size_t size() const { return count; }
@@ -33,6 +33,17 @@ struct AxisPoints {
 /// is longer than wide, one towards either end, as deep as half its width (of a cone: at a quarter of its height from either
 /// end). Of a mesh, points in the body (Polyhedron::axisPoints()): its origin may be anywhere.
 AxisPoints listAxisPoints(const geometry::Solid& shape);
+
+/// Places near the edges of a flat tool, m, and the normal of its plane, all in one frame.
+struct EdgePlaces {
+  AxisPoints places;
+  Vec3 across;
+};
+
+/// Of a box or a cylinder that is flat and thinner than the spacing (m) of a surface's points: eight places around its middle,
+/// one and a half spacings inside its edges. Surfaces that lie on it are cut by the edges less deep than that. Of other tools
+/// none.
+EdgePlaces listEdgePlaces(const geometry::Solid& shape, double spacing);
 
 /// Whether any of the points (n x 3) is within that ball at a time (s) at which the tool acts; for tools that attract, within
 /// tool.reach of the ball.

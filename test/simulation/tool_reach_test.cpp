@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace deformable_surface::simulation {
@@ -59,6 +60,42 @@ TEST(ToolReach, AxisPointsOfAMeshAreThoseOfTheShapeThatItIs) {
   for (double height : {0.2, 0.02, 0.001}) {
     cylinder.height = height;
     expectNearlyTheSame(cylinder, test::makeCylinderMesh(0.01, height, 24), 0.001);
+  }
+}
+
+TEST(ToolReach, FlatToolsThatAreThinHavePlacesNearAllEdges) {
+  geometry::Solid shape;
+  shape.kind = geometry::Solid::Kind::kBox;
+  shape.size = Vec3(0.3, 0.002, 0.2);
+  const EdgePlaces of_box = listEdgePlaces(shape, 0.02);
+  const AxisPoints& places = of_box.places;
+  ASSERT_EQ(places.size(), 8u);
+  EXPECT_EQ(of_box.across, Vec3::UnitY());
+  for (const double x : {0.0, 0.12, -0.12})
+    for (const double z : {0.0, 0.07, -0.07})
+      EXPECT_EQ(std::any_of(places.begin(), places.end(), [&](const Vec3& p) { return (p - Vec3(x, 0.0, z)).norm() < 1e-12; }),
+                x != 0.0 || z != 0.0)
+          << x << ' ' << z;
+
+  shape.kind = geometry::Solid::Kind::kCylinder;
+  shape.radius = 0.1;
+  shape.height = 0.002;
+  const EdgePlaces of_disc = listEdgePlaces(shape, 0.02);
+  ASSERT_EQ(of_disc.places.size(), 8u);
+  EXPECT_EQ(of_disc.across, Vec3::UnitZ());
+  for (const Vec3& place : of_disc.places) {
+    EXPECT_NEAR(place.norm(), 0.07, 1e-12);
+    EXPECT_EQ(place.z(), 0.0);
+  }
+}
+
+TEST(ToolReach, OtherToolsHaveNoPlacesNearEdges) {
+  geometry::Solid shape;
+  EXPECT_EQ(listEdgePlaces(shape, 0.02).places.size(), 0u);
+  shape.kind = geometry::Solid::Kind::kBox;
+  for (const Vec3& size : {Vec3(0.3, 0.03, 0.2), Vec3(0.3, 0.002, 0.05), Vec3(0.3, 0.002, 0.002)}) {
+    shape.size = size;
+    EXPECT_EQ(listEdgePlaces(shape, 0.02).places.size(), 0u) << size.transpose();
   }
 }
 

@@ -189,6 +189,67 @@ TEST(Tunnelling, AToolThatIsWiderThanTheDistanceOfPointsIsNotCalledNarrower) {
   EXPECT_NE(notices.find("contact did not hold how far the surface is stretched"), std::string::npos) << notices;
 }
 
+// How many notices tell that a tool has passed through the surface, in so many steps.
+int countTold(simulation::Simulation& s, int steps) {
+  int told = 0;
+  for (int k = 0; k < steps; ++k) told += s.step().notice.find("has passed through the surface") != std::string::npos;
+  return told;
+}
+
+/// All points are simulated, in rows 0.053 m apart, with no row in the middle.
+simulation::SceneParams sheetOfRows() {
+  simulation::SceneParams p = heldSheet();
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.accuracy.estimate = false;
+  return p;
+}
+cloud::PointCloud cloudOfRows() { return asCloud(makeSheet(20, 20, 1.0, 1.0, 0.0).points); }
+
+// Between two rows, from below. Neither its middle nor an end of its longest axis comes through.
+TEST(Tunnelling, AThinBladeWhoseEdgeComesFarThroughASheetIsReportedOnce) {
+  for (const bool is_disc : {false, true})
+    for (const double way : {-0.05, 0.04, 0.15}) {
+      simulation::SceneParams p = sheetOfRows();
+      Solid blade;
+      blade.kind = is_disc ? Solid::Kind::kCylinder : Solid::Kind::kBox;
+      blade.size = Vec3(0.5, 0.002, 0.4);
+      blade.radius = 0.2;
+      blade.height = 0.002;
+      p.tools = {mover(blade, 1.0)};
+      const Vec4 on_edge = is_disc ? Vec4(std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)) : Vec4(0.0, 0.0, 0.0, 1.0);
+      p.tools[0].path = {{0.0, Vec3(0.5, 0.0, -0.3), on_edge}, {0.3, Vec3(0.5, 0.0, -0.2 + way), on_edge}};
+      simulation::Simulation s(p, cloudOfRows());
+      EXPECT_EQ(countTold(s, 60), way > 0.1 ? 1 : 0) << "disc: " << is_disc << ", way: " << way << " m";
+    }
+}
+
+// Coarse sheets are cut by the edges of what they lie on. Upright, the plate holds the sheet by its upper edge.
+TEST(Tunnelling, ASheetThatLiesOnAThinPlateAndHangsOverItsEdgesIsNotPassed) {
+  struct Case {
+    bool is_upright;
+    double thickness, jitter;  // m; of the cloud
+  };
+  for (const Case& c : {Case{false, 0.002, 0.0}, {false, 0.002, 0.2}, {false, 0.02, 0.2}, {true, 0.02, 0.2}}) {
+    simulation::SceneParams p = sheetOfRows();
+    p.pins.clear();
+    p.material.damping = 2.0;
+    p.gravity = Vec3(0.0, 0.0, -9.81);
+    tool::ToolParams plate;
+    plate.id = "plate";
+    plate.friction = 0.5;
+    plate.shape.kind = Solid::Kind::kBox;
+    plate.shape.size = Vec3(0.5, 0.4, c.thickness);
+    const Vec4 upright(std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)), level(0.0, 0.0, 0.0, 1.0);
+    plate.path = {{0.0, Vec3(0.5, 0.01, c.is_upright ? -0.25 : -0.05), c.is_upright ? upright : level}};
+    p.tools = {plate};
+    if (c.is_upright) p.simplification.method = cloud::SimplificationMethod::kDelaunay;
+    p.simplification.target_points = 400;
+    simulation::Simulation s(p, asCloud(makeSheet(c.is_upright ? 60 : 20, c.is_upright ? 60 : 20, 1.0, 1.0, c.jitter).points));
+    EXPECT_EQ(countTold(s, 70), 0) << "upright: " << c.is_upright << ", " << c.thickness << " m, jitter " << c.jitter;
+    EXPECT_GT(s.toolReactions()[0].contacts, 0);
+  }
+}
+
 // How many notices tell that this tool has passed through a block of elastic solid, 0.2 m x 0.2 m x 0.1 m, held at its lower
 // side.
 int countPassages(const tool::ToolParams& tool, bool touches_places = true) {
