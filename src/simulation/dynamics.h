@@ -230,6 +230,7 @@ class Dynamics {
   solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
   void settleContact(double now, solve::TimeMarch::Outcome& taken);
   std::string describeGrazing(double now);
+  std::string describeCostlySteps(const solve::SolveReport& report);
   const std::vector<model::WeightedTriangle>& outside();
   std::string endUntangling(double dt);
   static void refuse(const std::string& why, Outcome& outcome);
@@ -306,6 +307,10 @@ class Dynamics {
   std::string why_no_self_contact_;
   std::shared_ptr<const ContactSkin> skin_without_contact_;  // null: not made
   bool has_told_compliance_ = false;
+  struct ImplicitTouching {
+    Index steps = 0, iterations = 0;  // of implicit steps in which a tool touches, since the last look
+    bool is_told = false;
+  } implicit_touching_;
   UntanglingProgress untangling_;
   Index reported_loose_ = 0;   // points of loose parts, as said last since the last reset
   DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion

@@ -75,6 +75,19 @@ std::string describeFallbacks(IntegratorType chosen, Index fallbacks, Index step
          "fallback_steps)";
 }
 
+std::string describeCostlySteps(double iterations, Index verlet_substeps, const IntegratorParams& params) {
+  return "a tool touches, and steps of integrator.type implicit now take " + formatShort(iterations) + " iterations each: the " +
+         std::to_string(verlet_substeps) + " sub-steps that integrator.type verlet " +
+         (verlet_substeps <= params.max_substeps ? "(or auto) " : "") + "needs instead are faster";
+}
+
+std::string describeRefusal(const solve::StepFailure& failure, IntegratorType chosen, bool has_implicit) {
+  std::string advice;
+  if (failure.kind == Failure::kGainedEnergy && chosen == IntegratorType::kVerlet)
+    advice = std::string("; a smaller integrator.time_step") + (has_implicit ? " or integrator.type auto" : "") + " may help";
+  return describeFailure(failure) + advice;
+}
+
 std::string describeHalt(const solve::SolveReport& report) {
   return "parts of the surface press on each other so hard, or are so fast, that keeping them from crossing took all motion "
          "within them in " +

@@ -40,6 +40,27 @@ TEST(StepMessages, AFailureIsTheEndOfASentence) {
   EXPECT_EQ(describeFailure(failure), "needs 2000000 sub-steps, more than the 1000000 that are taken at most");
 }
 
+TEST(StepMessages, ARefusedStepOfVerletThatGainedEnergyComesWithAdvice) {
+  const StepFailure failure = makeFailure(StepFailure::Kind::kGainedEnergy);
+  const std::string why = describeFailure(failure);
+  EXPECT_EQ(describeRefusal(failure, IntegratorType::kVerlet, true),
+            why + "; a smaller integrator.time_step or integrator.type auto may help");
+  EXPECT_EQ(describeRefusal(failure, IntegratorType::kVerlet, false), why + "; a smaller integrator.time_step may help");
+  EXPECT_EQ(describeRefusal(failure, IntegratorType::kAuto, true), why);
+  EXPECT_EQ(describeRefusal(makeFailure(StepFailure::Kind::kInterrupted), IntegratorType::kVerlet, true), "was interrupted");
+}
+
+TEST(StepMessages, CostlyImplicitStepsAreSaidWithWhatIsFaster) {
+  IntegratorParams params;
+  params.max_substeps = 100;
+  EXPECT_EQ(describeCostlySteps(14.5, 90, params),
+            "a tool touches, and steps of integrator.type implicit now take 14.5 iterations each: the 90 sub-steps that "
+            "integrator.type verlet (or auto) needs instead are faster");
+  EXPECT_EQ(describeCostlySteps(14.5, 110, params),
+            "a tool touches, and steps of integrator.type implicit now take 14.5 iterations each: the 110 sub-steps that "
+            "integrator.type verlet needs instead are faster");
+}
+
 TEST(StepMessages, OfAStepLikeTheLastThereIsNothingToSay) {
   Outcome outcome;
   outcome.type = IntegratorType::kVerlet;
