@@ -23,12 +23,12 @@ namespace deformable_surface::simulation {
 /// / 2. As it is proportional to mass, it adds at most r^2 to the square of the highest frequency. At rest, the depth of a point
 /// would be its share of the load over m r^2. Points of the cloud between the simulation points (setBetween()) are pushed in the
 /// same way, and pass the force on to the simulation points that they follow. A plane, or a ball so large that it cannot enter
-/// the surface between simulation points, touches only simulation points. So does a box far
-/// from its edges: nearer, the other points of a cell touch with a share that grows from 0 to 1, and the potential with it.
-/// A solid tool may pass over a point within a step, so
-/// that the point's shortest way out is no longer the way it came in. Such a point is pushed back along the latter, with d the
-/// depth below the plane there, until it is outside or beside the tool. The plane first withdraws so far that the force does not
-/// grow, and comes back (Withdrawal).
+/// the surface between simulation points, touches only simulation points. So does a box far from its edges: nearer, the other
+/// points of a cell touch with a share that grows from 0 to 1, and the potential with it.
+///
+/// A solid tool may pass over a point within a step, so that the point's shortest way out is no longer the way it came in. Such a
+/// point is pushed back along the latter, with d the depth below the plane there, until it is outside or beside the tool. The
+/// plane first withdraws so far that the force does not grow, and comes back (Withdrawal).
 ///
 /// Points between that are deeper than the other touching points of their cell are chosen before each step, one in a cell, to
 /// have springs of their own: as stiff as the stable step allows for one point (ContactPoints::ownMassOf()). Corners, edges and
