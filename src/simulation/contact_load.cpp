@@ -335,7 +335,8 @@ bool ContactLoad::updateAlone(double time, double step, const model::State& stat
     const Vec3 place = points_.place(pressed.point, state.positions);
     const double distance = distanceOf(place, small);
     if (!(distance < small)) continue;
-    const Withdrawal withdrawal = pressed.withdrawal.goOn(time, -distance, motion.velocityAt(place).norm());
+    const double speed = between->isPlace(pressed.point - points_.numSimulated()) ? 0.0 : motion.velocityAt(place).norm();
+    const Withdrawal withdrawal = pressed.withdrawal.goOn(time, -distance, speed);
     has_changed = has_changed || pressed.growth > 0.0 || withdrawal.begins != pressed.withdrawal.begins;
     body.pressed[kept++] = {pressed.point, 0.0, withdrawal};
   }

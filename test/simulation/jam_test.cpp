@@ -48,9 +48,11 @@ TEST(Jam, PlatesThatCloseAreNamedAndPinsAreNot) {
     SceneParams p = pressedByPlates(type);
     const Told told = runScene(p, 3, 0.4);
     ASSERT_GE(told.stopped, 5);
-    EXPECT_LE(told.lines.size(), 4u) << joinLines(told);
-    ASSERT_FALSE(told.lines.empty());
-    EXPECT_TRUE(has(told.lines[0], "contact limited the motion of ") && has(told.lines[0], "one of them at (")) << told.lines[0];
+    EXPECT_LE(told.lines.size(), type == Type::kVerlet ? 4u : 5u) << joinLines(told);  // implicit steps: also that they are many
+    const auto limited = std::find_if(told.lines.begin(), told.lines.end(),
+                                      [](const std::string& line) { return has(line, "contact limited the motion of "); });
+    ASSERT_NE(limited, told.lines.end()) << joinLines(told);
+    EXPECT_TRUE(has(*limited, "one of them at (")) << *limited;
     EXPECT_TRUE(has(joinLines(told), "moving tool 'upper' ")) << joinLines(told);
     EXPECT_FALSE(has(joinLines(told), "pins")) << joinLines(told);
     EXPECT_FALSE(has(joinLines(told), "smaller time_step")) << joinLines(told);
