@@ -396,6 +396,37 @@ TEST(SolidSimulation, ABallPressedDeepBetweenThePointsFeelsTheBody) {
   }
 }
 
+// A tool that came back to places on the skin by as much as it moved gave the body up to 1.8 times the work of its force.
+TEST(SolidSimulation, AMovingToolGivesNoMoreEnergyThanTheWorkOfItsForce) {
+  SceneParams scene = makeBarScene();
+  scene.gravity.setZero();
+  scene.material.young_modulus = 2e4;
+  scene.material.damping = 2.0;
+  scene.accuracy.estimate = false;
+  scene.integrator.time_step = 5e-4;
+  scene.pins.front().region.min = Vec3(-1.0, -1.0, -1.0);
+  scene.pins.front().region.max = Vec3(1.0, 1.0, 0.001);
+  tool::ToolParams box;
+  box.id = "box";
+  box.shape.kind = geometry::Solid::Kind::kBox;
+  box.shape.size = Vec3(0.028, 0.028, 0.028);
+  const Vec3 top(0.103, 0.104, 0.114);
+  const double speed = 0.06;
+  box.path = {{0.0, top, Vec4(0.0, 0.0, 0.0, 1.0)}, {0.3, top - Vec3(0.0, 0.0, 0.3 * speed), Vec4(0.0, 0.0, 0.0, 1.0)}};
+  scene.tools = {box};
+  cloud::PointCloud block;
+  block.positions = makeBox(11, 11, 6, 0.02, 0.4);
+  Simulation s(scene, block);
+  double work = 0.0;  // J
+  for (int k = 0; k < 600; ++k) {
+    ASSERT_TRUE(s.step().ok);
+    work += s.toolReactions().front().force.z() * speed * scene.integrator.time_step;
+  }
+  const simulation::Statistics end = s.statistics();
+  EXPECT_GT(work, 0.01);
+  EXPECT_LT(end.kinetic_energy + end.elastic_energy, 1.01 * work);
+}
+
 TEST(SolidSimulation, ABallOnAFloorWithoutFrictionGainsNoEnergy) {
   SceneParams scene = makeBarScene();
   scene.cloud = {};
