@@ -295,15 +295,18 @@ TEST(Tunnelling, ABallThatComesIntoABodyIsReportedOnce) {
   }
 }
 
-// Their middles stay outside. A stump, and a cone that does not go deep, dent the body.
+// Their middles stay outside. A stump, a cone that does not go deep, and one that touches places on the skin dent the body.
 TEST(Tunnelling, TipsOfNeedlesAndConesThatComeIntoABodyAreReportedOnce) {
   struct Case {
     Solid::Kind kind;
     double radius, height, end;  // m, of the tip
+    bool touches_places;
     int told;
   };
-  for (const Case& c : {Case{Solid::Kind::kCylinder, 0.006, 0.3, 0.05, 1}, Case{Solid::Kind::kCone, 0.04, 0.16, 0.04, 1},
-                        Case{Solid::Kind::kCylinder, 0.04, 0.1, 0.09, 0}, Case{Solid::Kind::kCone, 0.04, 0.16, 0.095, 0}}) {
+  for (const Case& c :
+       {Case{Solid::Kind::kCylinder, 0.006, 0.3, 0.05, true, 1}, Case{Solid::Kind::kCone, 0.04, 0.16, 0.04, false, 1},
+        Case{Solid::Kind::kCone, 0.04, 0.16, 0.04, true, 0}, Case{Solid::Kind::kCylinder, 0.04, 0.1, 0.09, true, 0},
+        Case{Solid::Kind::kCone, 0.04, 0.16, 0.095, false, 0}}) {
     tool::ToolParams tool;
     tool.id = "tip";
     tool.shape.kind = c.kind;
@@ -312,7 +315,7 @@ TEST(Tunnelling, TipsOfNeedlesAndConesThatComeIntoABodyAreReportedOnce) {
     const Vec4 over(1.0, 0.0, 0.0, 0.0);
     const auto atHeight = [&](double tip) { return Vec3(0.103, 0.104, tip + 0.5 * c.height); };
     tool.path = {{0.0, atHeight(0.105), over}, {0.5, atHeight(c.end), over}};
-    EXPECT_EQ(countPassages(tool), c.told) << c.radius << " m, tip at " << c.end;
+    EXPECT_EQ(countPassages(tool, c.touches_places), c.told) << c.radius << " m, tip at " << c.end;
   }
 }
 
