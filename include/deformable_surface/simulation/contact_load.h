@@ -244,7 +244,7 @@ class ContactLoad : public solve::ExternalLoad {
     Vec3 position;     // m
     double distance;   // m, from the tool's surface; negative inside
     Vec3 normal;       // outward
-    Vec3 force;        // N, on the point, along the normal
+    Vec3 force;        // N, on the point, along the normal; near edges of boxes a little aside (findEdgeShare())
     double pressed;    // m, of the contact spring: depth and growth; 0 for tools that attract
     double stiffness;  // N/m, of the contact spring, or of attraction where it is stiffest
     double softness;   // of the contact spring, 0 to 1: its stiffness over that without a pad
