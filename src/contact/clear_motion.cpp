@@ -112,6 +112,12 @@ void ClearMotion::predict(const Points& positions, const Points& velocities, dou
   }
 }
 
+void ClearMotion::rest(const Points& positions) {
+  from = positions;
+  way.assign(positions.size(), Vec3::Zero());
+  leader = 0;
+}
+
 double ClearMotion::shareAt(const Vec3& of_leader) const {
   const double squared = way[leader].squaredNorm();
   return squared > 0.0 ? std::clamp((of_leader - from[leader]).dot(way[leader]) / squared, 0.0, 1.0) : 0.0;

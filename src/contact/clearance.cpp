@@ -1,5 +1,7 @@
 #include "deformable_surface/contact/clearance.h"
 
+#include "deformable_surface/contact/crossings.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -24,12 +26,37 @@ Clearance::Clearance(Points rest, const std::vector<Triangle>& triangles, double
       distance_(distance),
       patches_(patches),
       whole_(findOutlines(rest_, triangles_), distance) {
-  if (whole_.isEmpty()) return;
+  if (!whole_.isEmpty()) makeSpares();
+}
+
+void Clearance::makeSpares() {
   for (int k = 0; k < kSpares; ++k) {
     spares_.push_back(std::make_shared<ClearMotion>());
     spares_.back()->from.reserve(rest_.size());
     spares_.back()->way.reserve(rest_.size());
   }
+}
+
+void Clearance::lookInstead(const Patches& patches, double slack) {
+  look_.emplace(rest_, triangles_, listEdges(static_cast<Index>(rest_.size()), triangles_), patches, distance_ + slack);
+  slack_ = slack;
+  looks_ = true;
+  if (spares_.empty()) makeSpares();
+}
+
+void Clearance::setLooks(bool looks) {
+  looks_ = looks;
+  forget();
+}
+
+// Where all is far, it is so until the points have moved against each other by the slack.
+bool Clearance::look(const Points& positions) {
+  if (look_->isAnyNear(positions)) return false;
+  const std::shared_ptr<ClearMotion> motion = takeSpare();
+  motion->rest(positions);
+  motion->tolerance = motion->apart_tolerance = 0.5 * ofCoordinate(slack_);
+  proven_ = motion;
+  return true;
 }
 
 // Allocates only while more motions are held elsewhere than ever before, as in snapshots.
@@ -44,6 +71,7 @@ std::shared_ptr<ClearMotion> Clearance::takeSpare() {
 
 bool Clearance::prove(const Points& positions, const Points& velocities, double time) {
   forget();
+  if (looks_) return look(positions);
   if (whole_.isEmpty()) return false;
   const std::shared_ptr<ClearMotion> motion = takeSpare();
   motion->predict(positions, velocities, time);

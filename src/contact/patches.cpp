@@ -11,14 +11,13 @@
 namespace deformable_surface::contact {
 namespace {
 
-constexpr Index kMostVertices = 12;  // 6, 12 and 24 cost about the same for a shell that snaps
-constexpr Index kBlock = 128;        // patches per task: few, so that small surfaces wake no thread
+constexpr Index kBlock = 128;  // patches per task: few, so that small surfaces wake no thread
 
 using Item = std::pair<Vec3, Index>;
 
 // Sorts the vertices so that those of a patch follow each other, and appends where each patch begins.
 void split(std::vector<Item>& vertices, Index begin, Index end, std::vector<Index>& begins) {
-  if (end - begin <= kMostVertices) {
+  if (end - begin <= Patches::kMostVertices) {
     begins.push_back(begin);
     std::sort(vertices.begin() + begin, vertices.begin() + end,
               [](const Item& one, const Item& other) { return one.second < other.second; });

@@ -17,6 +17,9 @@ constexpr Index kFewPatches = 48;       // of surfaces whose parts have no proof
 // Of the usual reach: the way of a patch's points against each other in a step up to which lists cost less than proofs of parts.
 // On closed surfaces they always do: balls that are pulled or dropped, and a torus and a tube that sag (1000 and 4000 points).
 constexpr double kCalm = 1.0;
+// Of the median edge: the motion until a quick look is taken again. Longer ways look farther, and find the next ring of points
+// near.
+constexpr double kSlack = 0.6;
 
 }  // namespace
 
@@ -27,10 +30,14 @@ SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, st
       clearance_(std::move(rest), triangles, kWatched * params.thickness,
                  list_.patches().size() < kFewPatches ? nullptr : &list_.patches()),
       masses_(std::move(masses)),
-      params_(params) {}
+      params_(params) {
+  if (params_.looks_first) clearance_.lookInstead(list_.patches(), kSlack * list_.medianEdge());
+}
 
 void SelfContact::keepWhole(const std::vector<char>& is_whole) {
   list_.keepWhole(is_whole);
+  // A look knows nothing of cuts: the sides of one are neighbours.
+  if (params_.looks_first) clearance_.setLooks(std::count(is_whole.begin(), is_whole.end(), char{0}) == 0);
   forgetNear();
 }
 
@@ -93,11 +100,10 @@ bool SelfContact::foresee(const Points& positions, const Points& velocities, dou
   return clearance_.prove(positions, velocities, kStepsAhead * time);
 }
 
-SelfContact::Lie SelfContact::findLie(const Points& rest) {
-  if (!clearance_.hasOutline()) return Lie::kWithoutOutline;
-  const bool is_uncrossed = clearance_.prove(rest, Points(rest.size(), Vec3::Zero()), 1.0), is_apart = clearance_.isApart();
+bool SelfContact::liesOpen(const Points& rest) {
+  const bool is_open = clearance_.prove(rest, Points(rest.size(), Vec3::Zero()), 1.0) && clearance_.isApart();
   clearance_.forget();
-  return is_apart ? Lie::kOpen : is_uncrossed ? Lie::kThick : Lie::kOver;
+  return is_open;
 }
 
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
@@ -111,7 +117,7 @@ bool SelfContact::mayTouch(const Points& positions, const Points& velocities, do
   const PairList::Reach reach{watched_by_all, 1.0, watched_by_all + kLongest * list_.usualReach()};
   if (!is_calm_) {
     if (list_.areFar(positions, motion_, reach)) return false;
-    is_calm_ = !clearance_.hasOutline();
+    is_calm_ = clearance_.looks() || !clearance_.hasOutline();
   }
   if (!is_calm_) {
     clearance_.proveParts(positions, velocities, time);

@@ -26,18 +26,6 @@ Index nearestPoint(const Points& points, const Vec3& to) {
   return nearest;
 }
 
-// Why a surface does not lie open; empty: it does.
-std::string describeLie(contact::SelfContact::Lie lie) {
-  switch (lie) {
-    case contact::SelfContact::Lie::kOpen: return "";
-    case contact::SelfContact::Lie::kWithoutOutline: return "the surface is closed, or its triangles have no single outline";
-    case contact::SelfContact::Lie::kThick:
-      return "the surface is narrow, or thick beside the spacing of its points, or these are uneven";
-    case contact::SelfContact::Lie::kOver: break;
-  }
-  return "seen from one side, parts of the surface at rest lie over others, or are steep, or its outline is very indented";
-}
-
 }  // namespace
 
 Dynamics::Dynamics(const SceneParams& params, Made made)
@@ -78,13 +66,16 @@ void Dynamics::makeSelfContact(Made made) {
   meeting.compliance = params_.contact.compliance;
   if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params_, *rest_, *model_).of_points;
   if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
-  loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), meeting);
-  if (wanted.is_auto && !made.is_fork) why_no_self_contact_ = describeLie(loads_.self_contact->contact.findLie(rest_->points));
-  if (!why_no_self_contact_.empty()) {
-    skin_without_contact_ = loads_.self_contact->skin();
-    loads_.self_contact.reset();
+  const auto make = [&] {
+    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, made.meeting, model_->masses(), meeting);
+  };
+  meeting.looks_first = made.looks_first;
+  make();
+  if (wanted.is_auto && !made.is_fork && !loads_.self_contact->contact.liesOpen(rest_->points)) {
+    meeting.looks_first = true;
+    make();
   }
-  if (loads_.self_contact) system_.setMotionLimit(&loads_.self_contact->limit);
+  system_.setMotionLimit(&loads_.self_contact->limit);
 }
 
 std::shared_ptr<const ContactSkin> Dynamics::skinWithoutContact() {

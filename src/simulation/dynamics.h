@@ -163,6 +163,7 @@ class Dynamics {
     std::unique_ptr<model::DeformableModel> model;
     std::shared_ptr<const ContactSkin> meeting;  // null: that of the model, which is not cut; of a fork: it has no contact
     bool is_fork = false;
+    bool looks_first = false;  // of a fork: see SelfContactParams
   };
   static Made take(RestSurface&& rest);
   Dynamics(const SceneParams& params, Made made);

@@ -89,8 +89,9 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
 }
 
 std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
-  std::unique_ptr<Dynamics> fork(
-      new Dynamics(params_, Made{rest_, model_->clone(), loads_.self_contact ? loads_.self_contact->skin() : nullptr, true}));
+  const SelfContactLoads* const self = loads_.self_contact.get();
+  std::unique_ptr<Dynamics> fork(new Dynamics(
+      params_, Made{rest_, model_->clone(), self ? self->skin() : nullptr, true, self && self->contact.looksFirst()}));
   fork->chosen_ = chosen_;
   fork->shares_ = shares_;
   fork->growth_notice_ = growth_notice_;

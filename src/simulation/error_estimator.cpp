@@ -87,7 +87,7 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   coarse.accuracy = AccuracyParams{};
   coarse.accuracy.estimate = false;
   coarse.output.resample = coarse.output.error = false;
-  coarse.contact.self = dynamics.loads().self_contact != nullptr;
+  if (!dynamics.loads().self_contact) coarse.contact.self = false;
   CoarserLevel copies = dynamics.kind().makeCopies(coarse, level);
   const RestSurface& surface = copies.surface;
   common_ = std::move(copies.common);

@@ -76,14 +76,11 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
     dynamics().chooseIntegrator(choice.integrator);
   const ModelKind& kind = dynamics().kind();
   if (isSelfContactOff()) {
-    const std::string why = ", and parts can pass through each other: " + dynamics().whyNoSelfContact() + "; true switches it on";
-    if (isSelfContactOffByChoice()) {
-      sayOfChoice("contact.self: auto is off with these points" + why);
-    } else {
-      notes.push_back("contact.self: auto is off" + why);
-    }
     const RestSurface& rest = dynamics().rest();
-    if (rest.across.isZero(0.0)) passages.emplace(rest.points, dynamics().skinWithoutContact());
+    const bool is_in_space = rest.across.isZero(0.0);
+    notes.push_back("contact.self: auto is off, and parts can pass through each other: " + dynamics().whyNoSelfContact() +
+                    (is_in_space ? "; true switches it on" : ""));
+    if (is_in_space) passages.emplace(rest.points, dynamics().skinWithoutContact());
   }
   const std::string refused = kind.refuseEstimate(params);
   if (params.accuracy.estimate && !refused.empty())
@@ -101,21 +98,6 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
 // Whether `auto` has left it off.
 bool Simulation::Impl::isSelfContactOff() const {
   return dynamics().params().contact.self.is_auto && dynamics().kind().traits().meets_itself && !dynamics().loads().self_contact;
-}
-
-// Whether the points that an accuracy target has chosen are among the reasons.
-bool Simulation::Impl::isSelfContactOffByChoice() const {
-  const ModelTraits traits = dynamics().kind().traits();
-  const SceneParams& params = dynamics().params();
-  return choice.is_asked && isSelfContactOff() && traits.is_surface && dynamics().rest().across.isZero(0.0) &&
-         params.integrator.type != solve::IntegratorType::kStatic;
-}
-
-// Adds to the sentence of the choice, which is one of the notes.
-void Simulation::Impl::sayOfChoice(const std::string& more) {
-  const auto note = std::find(notes.begin(), notes.end(), choice.sentence);
-  appendNotice(choice.sentence, more);
-  if (note != notes.end()) *note = choice.sentence;
 }
 
 Changes Simulation::Impl::apply(const Command& command) {

@@ -80,8 +80,6 @@ struct Simulation::Impl {
   const Dynamics& dynamics() const { return run.dynamics(); }
 
   bool isSelfContactOff() const;
-  bool isSelfContactOffByChoice() const;
-  void sayOfChoice(const std::string& more);
   Changes apply(const Command& command);
   void leaveTrial(const char* how);
   void reset();

@@ -327,5 +327,31 @@ TEST(Clearance, KnowsPartsOfAClosedSurface) {
   EXPECT_EQ(clearance.partsApart(ball.points), nullptr);
 }
 
+// A quick look in place of the proof holds while no two points move against each other by the slack.
+TEST(Clearance, LooksWhereNothingCanBeProven) {
+  const test::Sheets ball = test::makeBall(11, 20);
+  const PairList list(ball.points, ball.triangles, 1e-4);
+  Clearance clearance(ball.points, ball.triangles, 1.5e-4);
+  constexpr double kSlack = 0.003;
+  clearance.lookInstead(list.patches(), kSlack);
+  ASSERT_TRUE(clearance.prove(ball.points, still(ball.points.size()), 1.0));
+  Points moved = ball.points;
+  for (Vec3& x : moved) x += Vec3(0.3, 0.1, 0.0);
+  EXPECT_TRUE(clearance.isApartAt(moved));
+  EXPECT_TRUE(clearance.staysUncrossed(ball.points, moved));
+  moved[3] += Vec3(0.5 * kSlack, 0.0, 0.0);
+  EXPECT_TRUE(clearance.isApartAt(moved));
+  moved[3] += Vec3(0.6 * kSlack, 0.0, 0.0);
+  EXPECT_FALSE(clearance.isApartAt(moved));
+  Points pressed = ball.points;
+  for (Vec3& x : pressed) x.z() *= 0.01;
+  EXPECT_FALSE(clearance.prove(pressed, still(ball.points.size()), 1.0));
+  EXPECT_EQ(clearance.proven(), nullptr);
+  ASSERT_TRUE(clearance.prove(ball.points, still(ball.points.size()), 1.0));
+  clearance.setLooks(false);
+  EXPECT_EQ(clearance.proven(), nullptr);
+  EXPECT_FALSE(clearance.prove(ball.points, still(ball.points.size()), 1.0));
+}
+
 }  // namespace
 }  // namespace deformable_surface::contact

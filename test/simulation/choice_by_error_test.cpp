@@ -121,25 +121,6 @@ TEST(ChoiceByError, OfAllPointsUntriedSaysWhatIsNotKnownAndInTheEndThatTheTarget
   EXPECT_NE(said.find("in all 50 steps: the expected error was at most "), std::string::npos) << said;
 }
 
-TEST(ChoiceByError, SaysThatSelfContactIsOffWithTheChosenPoints) {
-  SceneParams p = saggingStrip(IntegratorType::kVerlet);
-  p.accuracy.position_error = 0.1;
-  p.material.thickness = 0.05;
-  p.material.bending_rigidity = 1e-4;
-  p.contact.self = OrAuto<bool>();
-  const Simulation s(p, strip());
-  const std::string off = "contact.self: auto is off with these points";
-  EXPECT_NE(s.accuracyChoice().sentence.find("; " + off), std::string::npos) << s.accuracyChoice().sentence;
-  const std::vector<std::string>& notes = s.buildNotes();
-  EXPECT_EQ(std::count(notes.begin(), notes.end(), s.accuracyChoice().sentence), 1);
-  const auto tells = [](const std::string& note) { return note.find("contact.self: auto is off") != std::string::npos; };
-  EXPECT_EQ(std::count_if(notes.begin(), notes.end(), tells), 1);
-  EXPECT_NE(s.accuracyChoice().sentence.find("; true switches it on"), std::string::npos) << s.accuracyChoice().sentence;
-  p.accuracy.position_error = 0.0;
-  const Simulation without(p, strip());
-  for (const std::string& note : without.buildNotes()) EXPECT_EQ(note.find(off), std::string::npos) << note;
-}
-
 TEST(ChoiceByError, TakesAllPointsOfASmallCloudHoweverManyStepsAnEquilibriumIsAskedFor) {
   SceneParams p = hangingSheet();
   p.simplification = cloud::SimplificationParams();

@@ -17,6 +17,8 @@ struct ClearMotion {
   /// For points that keep their velocities (n) for a time; m and s, or any other unit of time. Allocates only for more points
   /// than ever before.
   void predict(const Points& positions, const Points& velocities, double time);
+  /// The same for points that stay.
+  void rest(const Points& positions);
   /// The share of the motion that is done where the leader is at a place.
   double shareAt(const Vec3& of_leader) const;
   /// Whether the points are within a tolerance (m) of the prediction. Undefined numbers are not.

@@ -4,6 +4,7 @@
 #include "deformable_surface/contact/atlas.h"
 #include "deformable_surface/contact/clear_motion.h"
 #include "deformable_surface/contact/cover.h"
+#include "deformable_surface/contact/quick_look.h"
 
 #include <memory>
 #include <optional>
@@ -21,9 +22,16 @@ class Clearance {
 
   double distance() const { return distance_; }  // m
 
+  /// From now on a quick look takes the place of the proof of the whole, for surfaces that have none: see QuickLook. patches: as
+  /// in the constructor; slack: m, motion of any two points against each other until it is taken again.
+  void lookInstead(const Patches& patches, double slack);
+  /// Whether it does, after lookInstead(). Forgets what is proven.
+  void setLooks(bool looks);
+  bool looks() const { return looks_; }
   /// Whether the whole may have a proof: false for closed surfaces.
   bool hasOutline() const { return !whole_.isEmpty(); }
-  /// Tries the proof for points that keep their velocities (n) for a time; m and s, or any other unit of time.
+  /// Tries the proof for points that keep their velocities (n) for a time; m and s, or any other unit of time. A look in its
+  /// place knows nothing of velocities.
   bool prove(const Points& positions, const Points& velocities, double time);
   void forget() { proven_.reset(); }
   /// Whether all primitives are farther apart than the distance throughout the motion of the last prove().
@@ -53,6 +61,8 @@ class Clearance {
 
  private:
   std::shared_ptr<ClearMotion> takeSpare();
+  void makeSpares();
+  bool look(const Points& positions);
 
   const Points rest_;
   const std::vector<Triangle> triangles_;
@@ -60,6 +70,9 @@ class Clearance {
   const Patches* const patches_;
   const Chart whole_;
   Chart::Scratch scratch_;
+  std::optional<QuickLook> look_;
+  bool looks_ = false;
+  double slack_ = 0.0;  // m, of the look
   std::shared_ptr<const ClearMotion> proven_;
   std::vector<std::shared_ptr<ClearMotion>> spares_;  // all made here: those that nobody else holds are used again
 

@@ -15,6 +15,8 @@ using Edge = std::array<Index, 2>;  // the lower vertex first
 /// vertex.
 class Patches {
  public:
+  static constexpr Index kMostVertices = 12;  // 6, 12 and 24 cost about the same for a shell that snaps
+
   /// rest: (n) m. vertices: with all ends of the edges and corners of the triangles. Splits them recursively at the median along
   /// the widest axis. Deterministic.
   Patches(const Points& rest, const std::vector<Index>& vertices, const std::vector<Edge>& edges,

@@ -28,6 +28,7 @@ struct SelfContactParams {
   bool hardens = false;           // springs become ever stiffer towards the least distance that limit() allows, and damping sets
                                   // in gradually: for methods that search a balance of forces
   bool takes_lone_points = true;  // points without triangles at rest touch those of others; else they are no part of it
+  bool looks_first = false;       // contact acts where a quick look finds parts near each other: see Clearance::lookInstead()
   double compliance = 0.0;        // m/Pa, of a pad between parts; 0: none
   std::vector<double> areas{};    // (n) m^2, that vertices stand for on one side; empty without a pad
 };
@@ -60,9 +61,9 @@ class SelfContact {
   /// Tries to prove that nothing comes near while the points keep their velocities for some steps of a time, s (or any other unit
   /// of time). See Clearance.
   bool foresee(const Points& positions, const Points& velocities, double time);
-  /// Whether the surface at rest lies open: seen from one side, nothing is over or near anything. If not, the reason.
-  enum class Lie { kOpen, kWithoutOutline, kThick, kOver };
-  Lie findLie(const Points& rest);
+  /// Whether the surface at rest lies open: seen from one side, nothing is over or near anything.
+  bool liesOpen(const Points& rest);
+  bool looksFirst() const { return params_.looks_first; }
   /// What is known of the present motion, for snapshots. See Clearance.
   std::shared_ptr<const ClearMotion> proven() const { return clearance_.proven(); }
   void setProven(std::shared_ptr<const ClearMotion> proven) { clearance_.setProven(std::move(proven)); }

@@ -1,0 +1,168 @@
+#include "deformable_surface/contact/quick_look.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace deformable_surface::contact {
+namespace {
+
+// Points that are so many edges apart do not count, nor those of one more for each edge of the reach: in thick shells these are
+// near at rest.
+constexpr double kRings = 3.0;
+// Of the longest edge at either of two points: layers whose points are farther apart do not touch. A place in a triangle is
+// within 0.58 of its longest side of a corner. The middles of two edges that cross are within 0.71 of one of their ends.
+constexpr double kOfEdge = 0.75;
+constexpr double kSharp = 0.0;   // cosine of the angle between the normals of two triangles: a right angle
+constexpr double kBeyond = 0.3;  // less than the cosine at rest, for folds that are sharp there
+
+Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
+
+void boundVertices(const Patches& patches, const Points& positions, double larger, std::vector<Box>& boxes) {
+  boxes.assign(patches.size(), Box());
+  for (Index p = 0; p < patches.size(); ++p) {
+    patches.visitVertices(p, [&](Index v) { boxes[p].extend(positions[v]); });
+    boxes[p] = grow(boxes[p], larger);
+  }
+}
+
+std::vector<Box> boundVertices(const Patches& patches, const Points& positions) {
+  std::vector<Box> boxes;
+  boundVertices(patches, positions, 0.0, boxes);
+  return boxes;
+}
+
+void findNormals(const Points& positions, const std::vector<Triangle>& triangles, std::vector<Vec3>& normals) {
+  normals.resize(triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto& [a, b, c] = triangles[t];
+    normals[t] = (positions[b] - positions[a]).cross(positions[c] - positions[a]).normalized();
+  }
+}
+
+// Whether the corners of a triangle go from the first vertex of the edge to the second.
+bool goesAlong(const Triangle& triangle, const Edge& edge) {
+  for (int k = 0; k < 3; ++k)
+    if (triangle[k] == edge[0]) return triangle[(k + 1) % 3] == edge[1];
+  return false;
+}
+
+}  // namespace
+
+QuickLook::QuickLook(const Points& rest, const std::vector<Triangle>& triangles, const std::vector<Edge>& edges,
+                     const Patches& patches, double reach)
+    : triangles_(triangles),
+      edges_(edges),
+      patches_(patches),
+      reach_(reach),
+      boxes_(boundVertices(patches, rest)),
+      tree_(boxes_) {
+  listFolds(rest);
+  listNeighbours(rest);
+}
+
+void QuickLook::listFolds(const Points& rest) {
+  findNormals(rest, triangles_, normals_);
+  std::vector<Index> first(edges_.size(), -1);
+  for (Index t = 0; t < static_cast<Index>(triangles_.size()); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Index a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
+      const Edge edge{std::min(a, b), std::max(a, b)};
+      Index& one = first[std::lower_bound(edges_.begin(), edges_.end(), edge) - edges_.begin()];
+      if (one < 0) {
+        one = t;
+        continue;
+      }
+      const double sense = goesAlong(triangles_[one], edge) == goesAlong(triangles_[t], edge) ? -1.0 : 1.0;
+      folds_.push_back({one, t, sense, std::min(kSharp, sense * normals_[one].dot(normals_[t]) - kBeyond)});
+    }
+}
+
+void QuickLook::listNeighbours(const Points& rest) {
+  const auto n = static_cast<Index>(rest.size());
+  std::vector<std::vector<Index>> next(n);
+  for (const auto& [a, b] : edges_) {
+    next[a].push_back(b);
+    next[b].push_back(a);
+  }
+  std::vector<Index> patch_of(n, -1), place(n, 0);
+  for (Index p = 0; p < patches_.size(); ++p) {
+    Index num = 0;
+    patches_.visitVertices(p, [&](Index v) {
+      patch_of[v] = p;
+      place[v] = num++;
+    });
+  }
+  double sum = 0.0;
+  for (const auto& [a, b] : edges_) sum += (rest[a] - rest[b]).norm();
+  const auto rings = static_cast<std::size_t>(kRings + (edges_.empty() ? 0.0 : reach_ * edges_.size() / sum));
+  std::map<std::array<Index, 2>, Neighbours> by_couple;
+  std::vector<Index> found;
+  for (Index i = 0; i < n; ++i) {
+    if (patch_of[i] < 0) continue;
+    found = {i};
+    for (std::size_t begin = 0, ring = 0; ring < rings; ++ring)
+      for (const std::size_t end = found.size(); begin < end; ++begin)
+        for (const Index j : next[found[begin]])
+          if (std::find(found.begin(), found.end(), j) == found.end()) found.push_back(j);
+    for (const Index j : found)
+      if (patch_of[i] <= patch_of[j]) by_couple[{patch_of[i], patch_of[j]}][place[i]] |= std::uint32_t{1} << place[j];
+  }
+  for (const auto& [couple, neighbours] : by_couple) {
+    couples_.push_back(couple);
+    neighbours_.push_back(neighbours);
+  }
+}
+
+bool QuickLook::isAnyNear(const Points& positions) { return isAnyFoldSharp(positions) || areAnyPointsNear(positions); }
+
+// Undefined numbers count as sharp.
+bool QuickLook::isAnyFoldSharp(const Points& positions) {
+  findNormals(positions, triangles_, normals_);
+  return !std::all_of(folds_.begin(), folds_.end(),
+                      [&](const Fold& fold) { return fold.sense * normals_[fold.one].dot(normals_[fold.other]) >= fold.least; });
+}
+
+bool QuickLook::areAnyPointsNear(const Points& positions) {
+  longest_.assign(positions.size(), 0.0);
+  double longest = 0.0;
+  for (const auto& [a, b] : edges_) {
+    const double length = (positions[a] - positions[b]).norm();
+    longest_[a] = std::max(longest_[a], length);
+    longest_[b] = std::max(longest_[b], length);
+    longest = std::max(longest, length);
+  }
+  const double half = 0.5 * (kOfEdge * longest + reach_);
+  boundVertices(patches_, positions, half, boxes_);
+  tree_.refit(boxes_);
+  static constexpr Neighbours kNone{};
+  bool is_any = false;
+  for (Index p = 0; p < patches_.size() && !is_any; ++p)
+    tree_.visitMeeting(boxes_[p], [&](Index q) {
+      if (q < p || is_any) return;
+      listWithin(p, grow(boxes_[q], half), positions, of_one_);
+      if (of_one_.empty()) return;
+      listWithin(q, grow(boxes_[p], half), positions, of_other_);
+      const auto couple = std::lower_bound(couples_.begin(), couples_.end(), std::array<Index, 2>{p, q});
+      const bool is_listed = couple != couples_.end() && *couple == std::array<Index, 2>{p, q};
+      const Neighbours& neighbours = is_listed ? neighbours_[couple - couples_.begin()] : kNone;
+      for (const Vertex& v : of_one_)
+        for (const Vertex& w : of_other_) {
+          if ((neighbours[v.place] >> w.place & 1U) != 0) continue;
+          const double reach = kOfEdge * std::max(longest_[v.index], longest_[w.index]) + reach_;
+          is_any = is_any || (positions[v.index] - positions[w.index]).squaredNorm() < reach * reach;
+        }
+    });
+  return is_any;
+}
+
+void QuickLook::listWithin(Index patch, const Box& box, const Points& positions, std::vector<Vertex>& list) const {
+  list.clear();
+  Index place = 0;
+  patches_.visitVertices(patch, [&](Index v) {
+    if (box.contains(positions[v])) list.push_back({v, place});
+    ++place;
+  });
+}
+
+}  // namespace deformable_surface::contact
