@@ -49,9 +49,11 @@ Leftover measureLeftover(const std::vector<Sample>& window) {
   }
   const Eigen::ColPivHouseholderQR<decltype(rows)> qr(rows);
   if (qr.rank() < kUnknowns) return {};
-  const Eigen::ArrayXd squares = (values - rows * qr.solve(values)).array().square();
+  const Eigen::ArrayXd residuals = (values - rows * qr.solve(values)).array(), squares = residuals.square();
   const double sum = squares.sum();
-  return {sum / (n - kUnknowns), sum > 0.0 ? n * squares.square().sum() / (sum * sum) : 0.0};
+  if (!(sum > 0.0)) return {0.0, 0.0, 0.0};
+  const double cubes = (squares * residuals).sum(), kurtosis = n * squares.square().sum() / (sum * sum);
+  return {sum / (n - kUnknowns), kurtosis, kurtosis - n * cubes * cubes / (sum * sum * sum)};
 }
 
 NoiseProfile::NoiseProfile(const std::vector<std::vector<Sample>>& windows) {

@@ -18,7 +18,9 @@ struct Sample {
 struct Leftover {
   // Unbiased variance, in the square of the values' unit; negative: too few samples, or samples on a curve.
   double variance = -1.0;
-  double kurtosis = 0.0;  // 3 for normal noise, 1 for two layers
+  double kurtosis = 0.0;  // 3 for normal noise
+  // Kurtosis less the square of the skewness: 3 for normal noise. The least is 1, for two layers of any densities [Pearson 1916].
+  double spread = 0.0;
 };
 Leftover measureLeftover(const std::vector<Sample>& window);
 

@@ -24,7 +24,7 @@ constexpr Index kNoiseWindows[] = {16, 32, 64, 128, 256};
 // surface that they bend over, 1.4 times for a degenerate one (a hair, a crumpled ball). It must also be small compared with the
 // window's radius.
 constexpr double kPlateau = 1.2, kThinnest = 0.25;
-constexpr double kLayers = 2.2;                  // kurtosis below that of any noise
+constexpr double kLayers = 2.2;                  // spread (noise_profile.h) below that of any noise
 constexpr double kThickest = 0.31, kBall = 2.3;  // fraction of the radius, in windows of 64 points, and kurtosis
 constexpr double kClean = 0.1;    // spacings: with less noise in the two smallest windows, larger ones are not examined
 constexpr double kRegular = 1.5;  // ninth over first decile of the distances of the directions of pixels
@@ -65,10 +65,10 @@ double findLastDistance(const Points& points, const std::vector<Index>& window) 
 
 // Residuals of the best quadratics over the planes of the windows: medians.
 struct Level {
-  double deviation = 0.0, kurtosis = 0.0, radius = 0.0;
+  double deviation = 0.0, kurtosis = 0.0, spread = 0.0, radius = 0.0;
 };
 Level measureLevel(const Points& positions, const KdTree& tree, Index count) {
-  std::vector<double> variances, kurtoses, radii;
+  std::vector<double> variances, kurtoses, spreads, radii;
   for (const std::vector<Index>& window : sampleWindows(positions, tree, count)) {
     const Plane plane = fitPlane(positions, window.data(), window.data() + window.size());
     const Vec3 e1 = plane.normal.unitOrthogonal(), e2 = plane.normal.cross(e1);
@@ -81,10 +81,12 @@ Level measureLevel(const Points& positions, const KdTree& tree, Index count) {
     if (!(leftover.variance >= 0.0)) continue;
     variances.push_back(leftover.variance);
     kurtoses.push_back(leftover.kurtosis);
+    spreads.push_back(leftover.spread);
     radii.push_back(findLastDistance(positions, window));
   }
   if (variances.empty()) return {};
-  return {std::sqrt(findMedian(std::move(variances))), findMedian(std::move(kurtoses)), findMedian(std::move(radii))};
+  return {std::sqrt(findMedian(std::move(variances))), findMedian(std::move(kurtoses)), findMedian(std::move(spreads)),
+          findMedian(std::move(radii))};
 }
 
 // Whether directions are spaced as regularly as those of pixels.
@@ -221,7 +223,7 @@ ScatteredNoise measureNoise(const Points& positions, const KdTree& tree) {
     if (count == 64) noise.is_thick = !is_clean && level.deviation >= kThickest * level.radius && level.kurtosis >= kBall;
     noise.spacing = spacing;
     const bool is_plateau = before.radius > 0.0 && level.deviation <= kPlateau * before.deviation;
-    if (is_plateau && level.deviation <= kThinnest * level.radius && level.kurtosis >= kLayers) {
+    if (is_plateau && level.deviation <= kThinnest * level.radius && level.spread >= kLayers) {
       noise.deviation = level.deviation;
       noise.is_thick = false;
       break;

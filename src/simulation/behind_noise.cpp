@@ -77,7 +77,8 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
                     formatShort(noise.deviation / noise.spacing) + " spacings: the surface is where windows of " + window +
                     " have it; gaps below " + formatLength(noise.least_gap) +
                     " in that direction are taken for surface, and links may lead across those below " +
-                    formatLength(kSureGap * noise.least_gap));
+                    formatLength(kSureGap * noise.least_gap) +
+                    (params.noise.is_auto ? "; if the points are exact, input.noise 0" : ""));
   const double left = noise.deviation / noise.window;
   if (left > kMostLeft * noise.spacing)
     s.warnings.push_back(

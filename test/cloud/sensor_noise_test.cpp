@@ -396,6 +396,24 @@ TEST(SensorNoise, IsNotWhatLayersAndShapesLeave) {
   EXPECT_TRUE(findSensorNoise(torus, clean(torus)).surface.empty());
 }
 
+// A square grid in a plane.
+void addLayer(Index along, double length, double height, Points& points) {
+  for (Index i = 0; i < along; ++i)
+    for (Index j = 0; j < along; ++j) points.emplace_back(length * i / (along - 1.0), length * j / (along - 1.0), height);
+}
+
+TEST(SensorNoise, IsNotWhatLayersOfDifferentDensityLeave) {
+  for (const Index along : {13, 15, 17}) {
+    for (const double gap : {0.6, 0.8, 1.0, 1.2, 1.6}) {  // of the spacing of the coarser layer
+      PointCloud layers;
+      addLayer(along, 1.0, 0.0, layers.positions);
+      addLayer(25, 1.0, gap / (along - 1.0), layers.positions);
+      layers.width = static_cast<std::uint32_t>(layers.positions.size());
+      EXPECT_TRUE(findSensorNoise(layers, clean(layers)).surface.empty()) << along << " points along, gap " << gap;
+    }
+  }
+}
+
 TEST(SensorNoise, MayBeStatedOrDenied) {
   const CameraFrame frame = take(test::makeTowel(1.0, 0.0), 0.1, 0.125);
   const CleanCloud cloud = clean(frame.cloud);
