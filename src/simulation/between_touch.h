@@ -15,7 +15,8 @@ struct EdgeShare {
   double value = 1.0;
   Vec3 gradient = Vec3::Zero();
 };
-/// 1 but on boxes, where it falls to 0 with the distance of the cell's simulation point from the nearest edge of the face.
+/// 1 but on faces of boxes and caps of cylinders, where it falls to 0 with the distance of the cell's simulation point from the
+/// nearest edge.
 /// positions: (n x 3) m, of the simulation points.
 EdgeShare findEdgeShare(const geometry::Solid& shape, const tool::Pose& pose, const transfer::SampledPoints& between, Index cell,
                         const Points& positions);

@@ -409,16 +409,18 @@ TEST(ContactLoad, InEquilibriaPointsLieOnTheTool) {
   EXPECT_LT(findDepth(solve::IntegratorType::kStatic, 0.0), 0.05 * moving);
 }
 
-// A flat sheet lies a little in a large box and is moved along its face, until the box ends below its middle.
-TEST(ContactLoad, FarFromTheEdgesOfABoxOnlySimulationPointsTouchAndTheChangeIsConservative) {
+// A flat sheet lies a little in a large box or cylinder and is moved along its face, until that ends below its middle.
+void testEdgesOf(geometry::Solid::Kind kind) {
   const simulation::SceneParams p = hangingSheet();
   const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(40));
   const std::vector<double> masses = rest.model->masses();
   const Index n = static_cast<Index>(masses.size());
   const Vec3 normal = rest.normals.front(), along = normal.unitOrthogonal();
   tool::ToolParams tool = ball(0.1, Vec3::Zero(), Vec3::Zero());
-  tool.shape.kind = geometry::Solid::Kind::kBox;
+  tool.shape.kind = kind;
   tool.shape.size = Vec3(6.0, 6.0, 6.0);
+  tool.shape.radius = 3.0;
+  tool.shape.height = 6.0;
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond((Mat3() << along, normal.cross(along), normal).finished());  // the face is that of the z axis
   for (auto& waypoint : tool.path) {
@@ -433,12 +435,12 @@ TEST(ContactLoad, FarFromTheEdgesOfABoxOnlySimulationPointsTouchAndTheChangeIsCo
     load.setCompliance(compliance, {std::vector<double>(n, 0.01), 0.0});
     model::State state;
     state.velocities.assign(n, Vec3::Zero());
-    const auto moveBy = [&](double way) {
+    const auto moveBy = [&](double way, double up = 0.0) {
       state.positions = rest.points;
-      for (Vec3& x : state.positions) x += way * along;
+      for (Vec3& x : state.positions) x += way * along + up * normal;
     };
-    const auto potentialAt = [&](double way) {
-      moveBy(way);
+    const auto potentialAt = [&](double way, double up = 0.0) {
+      moveBy(way, up);
       return load.potential(0.0, state);
     };
     const auto countTouches = [&] { return static_cast<Index>(load.findTouches(0.0, state)[0].size()); };
@@ -447,6 +449,7 @@ TEST(ContactLoad, FarFromTheEdgesOfABoxOnlySimulationPointsTouchAndTheChangeIsCo
     Index most = 0;
     for (double way = 1.0; way < 3.0; way += 0.05) {
       const double step = 1e-5, change = potentialAt(way + step) - potentialAt(way - step);
+      const double lift = 1e-7, drop = potentialAt(way, -lift) - potentialAt(way, lift);
       moveBy(way);
       most = std::max(most, countTouches());
       bool is_at_edge = false;  // with points of its cell, which would be pushed sideways
@@ -454,12 +457,21 @@ TEST(ContactLoad, FarFromTheEdgesOfABoxOnlySimulationPointsTouchAndTheChangeIsCo
       if (is_at_edge) break;
       Points forces(n, Vec3::Zero());
       load.addForces(0.0, state, forces);
-      double force = 0.0;
-      for (const Vec3& f : forces) force += f.dot(along);
-      EXPECT_NEAR(force, -change / (2.0 * step), 1e-6 * load.potential(0.0, state)) << way;
+      Vec3 force = Vec3::Zero();
+      for (const Vec3& f : forces) force += f;
+      EXPECT_NEAR(force.dot(along), -change / (2.0 * step), 1e-6 * load.potential(0.0, state)) << way;
+      EXPECT_NEAR(force.dot(normal), drop / (2.0 * lift), 1e-5 * force.norm()) << way;
     }
     EXPECT_GT(most, 2 * n);
   }
+}
+
+TEST(ContactLoad, FarFromTheEdgesOfABoxOnlySimulationPointsTouchAndTheChangeIsConservative) {
+  testEdgesOf(geometry::Solid::Kind::kBox);
+}
+
+TEST(ContactLoad, FarFromTheRimOfACylinderOnlySimulationPointsTouchItsCapAndTheChangeIsConservative) {
+  testEdgesOf(geometry::Solid::Kind::kCylinder);
 }
 
 }  // namespace
