@@ -10,7 +10,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr char kAnew[] = "a tool that is deleted and added again takes hold anew (a warm hand in RViz: Take hold)";
+constexpr char kAnew[] =
+    "on a running node a tool that is deleted and added again takes hold anew (a warm hand in RViz: Take hold)";
 
 constexpr Index kLook = 1024;  // points between two checks for an interrupt
 constexpr int kMaxPatch = 127;

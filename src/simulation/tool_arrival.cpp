@@ -100,13 +100,13 @@ void ContactLoad::findArrival(double time, double step, const model::State& stat
   Eigen::AlignedBox3d extent;
   for (const Vec3& x : state.positions) extent.extend(x);
   if (!(deepest > kReportedDepth * extent.diagonal().norm())) return;
-  appendNotice(
-      notice_,
-      "tool " + quote(body.tool.id) + " appears where " + std::to_string(count) + " of " + std::to_string(points_.size()) +
-          (points_.between() ? " points are, up to " : " simulation points are, up to ") + formatShort(deepest) + " m deep; " +
-          (std::isfinite(shortest)
-               ? "it arrives from " + formatShort(shortest) + " m beside, within " + formatShort(body.arrival.ends - time) + " s"
-               : "no place free of them is near, and it is there at once"));
+  appendNotice(notice_, "tool " + quote(body.tool.id) + " appears where " + std::to_string(count) + " of " +
+                            std::to_string(points_.size()) +
+                            (points_.between() ? " points that may touch it are, up to " : " simulation points are, up to ") +
+                            formatShort(deepest) + " m deep; " +
+                            (std::isfinite(shortest) ? "it arrives from " + formatShort(shortest) + " m beside, within " +
+                                                           formatShort(body.arrival.ends - time) + " s"
+                                                     : "no place free of them is near, and it is there at once"));
 }
 
 void ContactLoad::adoptArrivals(const ContactLoad& other) {

@@ -120,8 +120,9 @@ std::vector<InterfaceEntry> makeTable() {
        "to new subscribers",
        {}},
       {Kind::kPublished, "statistics", "deformable_surface/Statistics",
-       "state and cost of the last step, at `output.publish_rate`, also while the surface rests. In a pause it comes after "
-       "steps, resets and other changes only",
+       "state and cost of the last step, at `output.publish_rate`, and at most about ten times a second while everything rests. "
+       "In "
+       "a pause it comes after steps, resets and other changes only",
        define<Statistics>()},
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
        "contact wrenches of tools and pins, after every step. `~tools/<id>/wrench` is a geometry_msgs/WrenchStamped of one tool",

@@ -174,9 +174,8 @@ void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, Re
                             "are left: the others belong to no surface, or to no part "
                             "that is kept"));
   if (dropped > 0)
-    s.notes.push_back(
-        "simulation points that no triangle connects with others, so that they follow the nearest ones and have no contact: " +
-        std::to_string(dropped));
+    s.notes.push_back("simulation points that no triangle connects with others: " + std::to_string(dropped) +
+                      " (they follow the nearest ones and have no contact)");
 }
 
 // Along the surface: the usable ones among the coarser points near each point of the level.
