@@ -23,7 +23,11 @@ using tool::ToolParams;
 constexpr double kRounding = 1e-6;  // fraction of a step: possible rounding error of the time of its beginning
 constexpr double kBack = 0.01;      // of the depth of a passed point: a withdrawal that is as good as none
 constexpr int kMaxMoments = 64;
-constexpr double kTurn = 0.2;  // rad between two samples of a turning tool: paths in its frame are then nearly straight
+constexpr double kShallow = 0.1;  // of the way to a point that a flat face pushes: below the same face by more is too deep
+constexpr double kFlat = 0.999;   // cosine between normals of a flat face
+constexpr double kEven = 1e-3;    // of that way: by how much the face may be uneven
+constexpr double kAcross = 0.5;   // cosine between the normals of a face and of one beside it
+constexpr double kTurn = 0.2;     // rad between two samples of a turning tool: paths in its frame are then nearly straight
 
 struct Moment {
   double share;  // fraction of the step
@@ -98,6 +102,20 @@ ContactLoad::Passed findPassed(Index point, const Entry& entry, const ToolParams
   return {point, entry, {std::max(0.0, -entry.heightOf(place) - depth), time}};
 }
 
+// Whether a point that came in by another face lies just below a flat face that already pushes a point near it. The surface then
+// runs on below this face, and the tool alone is to push the point. A point is near if the tool is thicker than the way to it:
+// thin tools remember by which face all points came in. In the tool's frame.
+bool runsBelowFace(const geometry::Solid& shape, const Entry& entry, const Vec3& place, const std::vector<Entry>& pushed) {
+  const geometry::SignedDistance now = geometry::findSignedDistance(shape, place);
+  if (!(now.distance < 0.0) || std::abs(now.normal.dot(entry.normal)) > kAcross) return false;
+  const double thickness = geometry::findSmallestExtent(shape);
+  return std::any_of(pushed.begin(), pushed.end(), [&](const Entry& face) {
+    const double way = (face.place - place).norm();
+    return way < thickness && -now.distance < kShallow * way && now.normal.dot(face.normal) > kFlat &&
+           std::abs(face.heightOf(place) - now.distance) < kEven * way;
+  });
+}
+
 bool passes(const ContactLoad::Body& body) {
   return body.tool.mode == tool::Mode::kSolid && body.tool.shape.kind != geometry::Solid::Kind::kPlane && *body.acts;
 }
@@ -111,6 +129,23 @@ void ContactLoad::predict(double step, const model::State& state) {
   for (Index i = 0; i < state.size(); ++i) ahead_.positions[i] = state.positions[i] + step * state.velocities[i];
   ahead_.escaped = state.escaped;
   if (points_.between() && points_.between()->hasPlaces()) boxes_ahead_.update(ahead_.positions);
+}
+
+bool ContactLoad::runsBelow(std::size_t b, double time, const model::State& state, const geometry::PointBoxes& boxes,
+                            const tool::Entry& entry, const Vec3& place) {
+  const Pose pose = tool::interpolate(bodies_[b].tool.path, time);
+  if (!are_faces_known_) {
+    listTouches(b, time, state, boxes, false, pressing_);
+    faces_.clear();
+    faces_.reserve(state.size());
+    for (const Touch& touch : pressing_) {
+      if (points_.isBetween(touch.point)) break;  // they have no memory of where they came in
+      const Vec3 at = touch.position - touch.distance * touch.normal;
+      faces_.push_back({toTool(pose, at), pose.orientation.conjugate() * touch.normal});
+    }
+    are_faces_known_ = true;
+  }
+  return runsBelowFace(bodies_[b].tool.shape, entry, place, faces_);
 }
 
 template <class Visit>
@@ -137,7 +172,8 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
   if (bodies_.empty()) return any;
   predict(step, state);
   const double travel = findTravel(before_, ahead_.positions);
-  for (Body& body : bodies_) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Body& body = bodies_[b];
     const bool acts = tool::isActive(body.tool, time + kRounding * step);
     any = any || body.acts != acts;
     body.acts = acts;
@@ -157,6 +193,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     const tool::Motion motion = tool::findMotion(body.tool.path, time);
     scratch_.clear();
     scratch_.reserve(state.size());
+    are_faces_known_ = false;
     visitNear(
         moments.all[0].pose.position, findSweep(body.tool, moments, travel), body.passed, [&](Index i, const Passed* passed) {
           if (held[i]) return;
@@ -167,12 +204,16 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
             const double depth = -entry.heightOf(place);
             const Withdrawal withdrawal = passed->withdrawal.goOn(time, depth, motion.velocityAt(state.positions[i]).norm());
             const bool is_back = withdrawal.at(time) <= kBack * depth;
-            if (!(is_back && tool::pushesBack(entry, now)) && tool::isHeldUp(body.tool.shape, entry, place, now)) {
+            const bool is_blocked =
+                !(is_back && tool::pushesBack(entry, now)) && tool::isHeldUp(body.tool.shape, entry, place, now);
+            if (is_blocked && !runsBelow(b, time, state, boxes_before_, entry, place)) {
               scratch_.push_back({i, entry, withdrawal});
               return;
             }
           }
-          if (const std::optional<Entry> entry = findCrossing(body.tool, moments, state.positions[i], ahead_.positions[i]))
+          const std::optional<Entry> entry = findCrossing(body.tool, moments, state.positions[i], ahead_.positions[i]);
+          const Vec3 ahead = toTool(moments.all[moments.count - 1].pose, ahead_.positions[i]);
+          if (entry && !runsBelow(b, time, state, boxes_before_, *entry, ahead))
             scratch_.push_back(findPassed(i, *entry, body.tool, moments.all[0].pose, state.positions[i], time));
         });
     body.passed.swap(scratch_);
@@ -191,6 +232,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
   forgetTouches();
   if (bodies_.empty()) return notice;
   const double travel = findTravel(before_, state.positions);
+  ahead_.positions = before_;  // points that came in within the step do not yet show which face pushes them
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
     if (!passes(body)) continue;
@@ -202,11 +244,13 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     if (is_far && !boxes_before_.mayMeet(from.position, sweep)) continue;
     scratch_.clear();
     scratch_.reserve(state.size());
+    are_faces_known_ = false;
     visitNear(from.position, sweep, body.passed, [&](Index i, const Passed* passed) {
       if (passed) {
         if (!state.hasEscaped(static_cast<Index>(b), i)) scratch_.push_back(*passed);
       } else if (!held[i]) {
-        if (const std::optional<Entry> entry = findCrossing(body.tool, moments, before_[i], state.positions[i]))
+        const std::optional<Entry> entry = findCrossing(body.tool, moments, before_[i], state.positions[i]);
+        if (entry && !runsBelow(b, time, ahead_, boxes_before_, *entry, toTool(to, state.positions[i])))
           scratch_.push_back(findPassed(i, *entry, body.tool, to, state.positions[i], time + step));
       }
     });

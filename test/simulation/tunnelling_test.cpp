@@ -250,6 +250,57 @@ TEST(Tunnelling, ASheetThatLiesOnAThinPlateAndHangsOverItsEdgesIsNotPassed) {
   }
 }
 
+// A sheet of 0.2 m on a table without friction, and a box, 0.02 m thick, whose lower face is 0.02 mm below the table.
+simulation::SceneParams lyingSheet(const Vec3& size, const std::vector<std::pair<double, double>>& course) {
+  simulation::SceneParams p;
+  p.material.young_modulus = 1e5;
+  p.material.thickness = 0.001;
+  p.material.density = 300.0;
+  p.material.damping = 3.0;
+  p.material.bending_rigidity = 1e-5;
+  p.accuracy.estimate = false;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.tools.resize(2);
+  p.tools[0].id = "table";
+  p.tools[0].shape.kind = Solid::Kind::kPlane;
+  p.tools[0].path = {{0.0, Vec3::Zero()}};
+  p.tools[1].id = "box";
+  p.tools[1].shape.kind = Solid::Kind::kBox;
+  p.tools[1].shape.size = size;
+  for (const auto& [time, x] : course) p.tools[1].path.push_back({time, Vec3(x, 0.0, 0.00998)});
+  return p;
+}
+cloud::PointCloud lyingCloud() { return asCloud(makeSheet(20, 20, 0.2, 0.2, 0.0).points); }
+
+// The sheet is drawn along below a pad that presses on it.
+TEST(Tunnelling, AFlatFaceLetsASheetRunInBelowItPastItsSides) {
+  simulation::SceneParams p = lyingSheet(Vec3(0.05, 0.05, 0.02), {{0.0, 0.1}});
+  p.tools[1].path[0].position.z() = 0.012;
+  p.tools[1].path.push_back({0.1, Vec3(0.1, 0.0, 0.00998)});
+  p.pins.resize(1);
+  p.pins[0].region.min = Vec3(-1.0, -1.0, -1.0);
+  p.pins[0].region.max = Vec3(0.02, 1.0, 1.0);
+  p.pins[0].path = {{0.15, Vec3::Zero()}, {0.5, Vec3(-0.03, 0.0, 0.0)}};
+  simulation::Simulation s(p, lyingCloud());
+  while (s.time() < 0.5) ASSERT_TRUE(s.step().ok);
+  const simulation::ToolReaction pad = s.toolReactions()[1];
+  EXPECT_GT(pad.force.z(), 0.01);
+  EXPECT_LT(std::abs(pad.force.x()), 0.1 * pad.force.z());
+  for (const simulation::Contact& contact : s.contacts())
+    if (contact.tool == 1) EXPECT_LT(contact.normal.z(), -0.9) << contact.position.transpose();
+}
+
+// No point of it is below the box before.
+TEST(Tunnelling, TheSideOfABoxPushesALyingSheetByItsEdge) {
+  for (const double speed : {0.1, 1.0}) {
+    simulation::Simulation s(lyingSheet(Vec3(0.1, 0.3, 0.02), {{0.0, 0.26}, {0.11 / speed, 0.15}}), lyingCloud());
+    while (s.time() < 0.11 / speed) ASSERT_TRUE(s.step().ok);
+    double farthest = 0.0;
+    for (const Vec3& point : s.state().positions) farthest = std::max(farthest, point.x());
+    EXPECT_LT(farthest, 0.1 + 0.002) << speed << " m/s";
+  }
+}
+
 // How many notices tell that this tool has passed through a block of elastic solid, 0.2 m x 0.2 m x 0.1 m, held at its lower
 // side.
 int countPassages(const tool::ToolParams& tool, bool touches_places = true) {

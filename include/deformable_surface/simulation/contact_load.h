@@ -310,6 +310,10 @@ class ContactLoad : public solve::ExternalLoad {
   /// visit(i, its item of passed or null) for the points of the last beginStep() that a ball may hold, and the passed ones.
   template <class Visit>
   void visitNear(const Vec3& centre, double radius, const std::vector<Passed>& passed, const Visit& visit) const;
+  /// Whether a point that came into a body by one face runs on below another that pushes the surface there. place: m, in the
+  /// tool's frame; boxes: of the positions.
+  bool runsBelow(std::size_t b, double time, const model::State& state, const geometry::PointBoxes& boxes,
+                 const tool::Entry& entry, const Vec3& place);
   /// Whether points between share the area of a cell with its simulation point.
   bool isShared(const geometry::Solid& shape, Index cell) const;
   /// N/m, of the pad that a point presses on.
@@ -361,6 +365,9 @@ class ContactLoad : public solve::ExternalLoad {
   mutable geometry::PointBoxes boxes_at_;  // around touched_at_
   mutable std::vector<std::vector<Touch>> touches_;
   std::vector<Passed> scratch_;
+  // Scratch of runsBelow(): where the tool pushes points, in its frame.
+  bool are_faces_known_ = false;
+  std::vector<tool::Entry> faces_;
   std::vector<Touch> pressing_;         // scratch
   std::vector<Pressed> grown_, spare_;  // scratch; spare_: newly chosen, with their depth in place of growth
   struct Deepest {
