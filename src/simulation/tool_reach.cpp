@@ -44,7 +44,7 @@ AxisPoints listAxisPoints(const geometry::Solid& shape) {
   }
   Vec3 end = Vec3::Zero();
   if (shape.kind == Kind::kCylinder) end.z() = 0.5 * shape.height - shape.radius;
-  if (shape.kind == Kind::kCone) end.z() = 0.25 * shape.height;
+  if (shape.kind == Kind::kCone) end.z() = std::max(0.25 * shape.height, 0.5 * shape.height - shape.radius);
   if (shape.kind == Kind::kBox) {
     Eigen::Index longest;
     const double length = shape.size.maxCoeff(&longest);

@@ -30,7 +30,7 @@ struct AxisPoints {
 };
 
 /// Points of the tool's axis, m, in its frame, that tell whether it has gone through a surface: the origin and, where the shape
-/// is longer than wide, one towards either end, as deep as half its width (of a cone: at a quarter of its height from either
+/// is longer than wide, one towards either end, as deep as half its width (of a wide cone: at a quarter of its height from either
 /// end). Of a mesh, points in the body (Polyhedron::axisPoints()): its origin may be anywhere.
 AxisPoints listAxisPoints(const geometry::Solid& shape);
 

@@ -63,6 +63,19 @@ TEST(ToolReach, AxisPointsOfAMeshAreThoseOfTheShapeThatItIs) {
   }
 }
 
+TEST(ToolReach, AxisPointsOfASlimConeAreNearItsTipAndItsBase) {
+  geometry::Solid cone;
+  cone.kind = geometry::Solid::Kind::kCone;
+  cone.height = 0.1;
+  for (const auto& [radius, end] : {std::pair{0.001, 0.049}, {0.04, 0.025}}) {
+    cone.radius = radius;
+    const AxisPoints axis = listAxisPoints(cone);
+    ASSERT_EQ(axis.size(), 3u);
+    EXPECT_NEAR(axis[1].z(), end, 1e-12);
+    EXPECT_NEAR(axis[2].z(), -end, 1e-12);
+  }
+}
+
 TEST(ToolReach, FlatToolsThatAreThinHavePlacesNearAllEdges) {
   geometry::Solid shape;
   shape.kind = geometry::Solid::Kind::kBox;
