@@ -189,7 +189,7 @@ std::string describe(Passage passage, double spacing) {
     case Passage::kNone: break;
     case Passage::kNarrow:
       return ": it is narrower than the distance of the simulation points, " + formatShort(spacing) +
-             " m; a tool wider than that, or a shorter way, may prevent it";
+             " m; a wider tool may prevent it";
     case Passage::kThin:
       return ": it is thinner than the distance of the simulation points; a thicker tool or more simulation points may prevent "
              "it";
