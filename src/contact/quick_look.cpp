@@ -8,8 +8,8 @@ namespace deformable_surface::contact {
 namespace {
 
 // Points that are so many edges apart do not count, nor those of one more for each edge of the reach: in thick shells these are
-// near at rest.
-constexpr double kRings = 3.0;
+// near at rest. For a reach beyond three edges they would be too many, and all is near.
+constexpr double kRings = 3.0, kMostRings = 6.0;
 // Of the longest edge at either of two points: layers whose points are farther apart do not touch. A place in a triangle is
 // within 0.58 of its longest side of a corner. The middles of two edges that cross are within 0.71 of one of their ends.
 constexpr double kOfEdge = 0.75;
@@ -59,6 +59,8 @@ QuickLook::QuickLook(const Points& rest, const std::vector<Triangle>& triangles,
       tree_(boxes_) {
   listFolds(rest);
   listNeighbours(rest);
+  of_one_.reserve(Patches::kMostVertices);
+  of_other_.reserve(Patches::kMostVertices);
 }
 
 void QuickLook::listFolds(const Points& rest) {
@@ -95,7 +97,8 @@ void QuickLook::listNeighbours(const Points& rest) {
   }
   double sum = 0.0;
   for (const auto& [a, b] : edges_) sum += (rest[a] - rest[b]).norm();
-  const auto rings = static_cast<std::size_t>(kRings + (edges_.empty() ? 0.0 : reach_ * edges_.size() / sum));
+  const double in_reach = edges_.empty() ? 0.0 : reach_ * edges_.size() / sum;
+  const auto rings = static_cast<std::size_t>(std::min(kRings + in_reach, kMostRings));
   std::map<std::array<Index, 2>, Neighbours> by_couple;
   std::vector<Index> found;
   for (Index i = 0; i < n; ++i) {

@@ -118,6 +118,7 @@ TEST(QuickLook, SeesNothingNearInAThickShell) {
   const test::Sheets ball = test::makeBall(11, 20);
   const double edge = Looker(ball, 0.001).edge();
   EXPECT_FALSE(Looker(ball, 2.2 * edge).isAnyNear(ball.points));
+  EXPECT_TRUE(Looker(ball, 20.0 * edge).isAnyNear(ball.points));
 }
 
 // The order of corners may differ from triangle to triangle.
