@@ -100,10 +100,10 @@ bool SelfContact::foresee(const Points& positions, const Points& velocities, dou
   return clearance_.prove(positions, velocities, kStepsAhead * time);
 }
 
-bool SelfContact::liesOpen(const Points& rest) {
-  const bool is_open = clearance_.prove(rest, Points(rest.size(), Vec3::Zero()), 1.0) && clearance_.isApart();
+bool SelfContact::isClear(const Points& rest) {
+  const bool is_clear = clearance_.prove(rest, Points(rest.size(), Vec3::Zero()), 1.0) && clearance_.isApart();
   clearance_.forget();
-  return is_open;
+  return is_clear;
 }
 
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {

@@ -71,9 +71,18 @@ void Dynamics::makeSelfContact(Made made) {
   };
   meeting.looks_first = made.looks_first;
   make();
-  if (wanted.is_auto && !made.is_fork && !loads_.self_contact->contact.liesOpen(rest_->points)) {
+  const auto isClear = [&] { return loads_.self_contact->contact.isClear(rest_->points); };
+  if (wanted.is_auto && !made.is_fork && !isClear()) {
     meeting.looks_first = true;
     make();
+    if (!isClear()) {
+      why_no_self_contact_ =
+          "parts of the surface at rest are near each other or folded sharply, or it is thick beside the spacing of its points, "
+          "or these are uneven";
+      skin_without_contact_ = loads_.self_contact->skin();
+      loads_.self_contact.reset();
+      return;
+    }
   }
   system_.setMotionLimit(&loads_.self_contact->limit);
 }

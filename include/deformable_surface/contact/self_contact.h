@@ -61,8 +61,9 @@ class SelfContact {
   /// Tries to prove that nothing comes near while the points keep their velocities for some steps of a time, s (or any other unit
   /// of time). See Clearance.
   bool foresee(const Points& positions, const Points& velocities, double time);
-  /// Whether the surface at rest lies open: seen from one side, nothing is over or near anything.
-  bool liesOpen(const Points& rest);
+  /// Whether nothing is near anything at rest: by proof, for surfaces that lie open (seen from one side, nothing is over
+  /// anything), or by a quick look.
+  bool isClear(const Points& rest);
   bool looksFirst() const { return params_.looks_first; }
   /// What is known of the present motion, for snapshots. See Clearance.
   std::shared_ptr<const ClearMotion> proven() const { return clearance_.proven(); }
