@@ -27,8 +27,6 @@ constexpr double kCoupled = 3.0;
 constexpr std::size_t kMostVisits = 1;
 constexpr Index kBlock = 4;  // patches or couples per task
 
-Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
-
 std::vector<Box> boundAll(const Patches& patches, const Points& positions) {
   std::vector<Box> boxes;
   for (Index p = 0; p < patches.size(); ++p) boxes.push_back(patches.boundOf(p, positions));

@@ -16,8 +16,6 @@ constexpr double kOfEdge = 0.75;
 constexpr double kSharp = 0.0;   // cosine of the angle between the normals of two triangles: a right angle
 constexpr double kBeyond = 0.3;  // less than the cosine at rest, for folds that are sharp there
 
-Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
-
 void boundVertices(const Patches& patches, const Points& positions, double larger, std::vector<Box>& boxes) {
   boxes.assign(patches.size(), Box());
   for (Index p = 0; p < patches.size(); ++p) {

@@ -10,6 +10,9 @@ namespace deformable_surface::contact {
 
 using Box = Eigen::AlignedBox3d;  // m
 
+/// Larger by a length (m) on every side.
+inline Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
+
 /// Sorts the points begin to end such that those of the lower half along the widest axis come first. Returns the first of the
 /// upper half. The indices decide between equal points, so the result is always the same.
 Index splitAtMedian(std::vector<std::pair<Vec3, Index>>& points, Index begin, Index end);

@@ -22,7 +22,7 @@ inline void visit(Fields& fields, ContactParams& p) {
                  "points alone");
   fields.flag("self", p.self,
               "parts of a mass-spring surface, or of an elastic solid in space, do not pass through each other; `auto` = on for "
-              "surfaces, but for equilibria; it then acts where parts come near each other");
+              "surfaces of which no parts are near each other at rest, but for equilibria; it acts where parts come near");
   fields.flag(
       "untangle", p.untangle,
       "parts that pass through each other at the beginning, or in a state that is set or restored, are pushed apart; with "
