@@ -53,9 +53,9 @@ void Dynamics::makeSelfContact(Made made) {
   const ModelTraits traits = kind_.traits();
   // Equilibria far away can often not be checked on the way, and would be searched twice.
   const bool is_static = params_.integrator.type == solve::IntegratorType::kStatic;
-  const bool may_be_auto = traits.meets_itself && traits.is_surface && rest_->across.isZero(0.0) && !is_static;
+  const bool may_be_auto = traits.meets_itself && rest_->across.isZero(0.0) && !is_static;
   if (wanted.is_auto && !may_be_auto)
-    why_no_self_contact_ = is_static ? "equilibria are searched without it" : "it is on for surfaces in space only";
+    why_no_self_contact_ = is_static ? "equilibria are searched without it" : "planar solids have none";
   if (!wanted.valueOr(may_be_auto) || (made.is_fork && !made.meeting)) return;
   contact::SelfContactParams meeting;
   meeting.thickness = findContactThickness(params_, *rest_);

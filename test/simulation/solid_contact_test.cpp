@@ -112,6 +112,23 @@ TEST(SolidContact, AFallingBlockComesToRestOnAnother) {
     }
 }
 
+TEST(SolidContact, IsOnByDefault) {
+  for (const Type type : {Type::kVerlet, Type::kImplicit}) {
+    Fall fall = makeFall(type, 0.2, 3);
+    Simulation chosen(fall.scene, fall.cloud);
+    fall.scene.contact.self = {};
+    Simulation by_default(fall.scene, fall.cloud);
+    const std::vector<contact::Triangle> skin = findSkin(fall.scene, fall.cloud);
+    for (int k = 0; k < 25; ++k) {
+      ASSERT_TRUE(chosen.step().ok);
+      ASSERT_TRUE(by_default.step().ok);
+      ASSERT_TRUE(findCrossings(by_default.state().positions, skin).empty()) << k;
+    }
+    EXPECT_EQ(by_default.stateHash(), chosen.stateHash());
+    EXPECT_GT(by_default.statistics().self_contacts, 0u);
+  }
+}
+
 // Without gravity and damping, and so slowly that no point is stopped.
 TEST(SolidContact, BlocksThatCollideKeepTheirMomentumAndGainNoEnergy) {
   SceneParams scene = makeScene();
