@@ -119,13 +119,15 @@ TEST(SolidContact, IsOnByDefault) {
     fall.scene.contact.self = {};
     Simulation by_default(fall.scene, fall.cloud);
     const std::vector<contact::Triangle> skin = findSkin(fall.scene, fall.cloud);
+    std::size_t most = 0;
     for (int k = 0; k < 25; ++k) {
       ASSERT_TRUE(chosen.step().ok);
       ASSERT_TRUE(by_default.step().ok);
       ASSERT_TRUE(findCrossings(by_default.state().positions, skin).empty()) << k;
+      most = std::max<std::size_t>(most, by_default.statistics().self_contacts);
     }
     EXPECT_EQ(by_default.stateHash(), chosen.stateHash());
-    EXPECT_GT(by_default.statistics().self_contacts, 0u);
+    EXPECT_GT(most, 10u);
   }
 }
 
