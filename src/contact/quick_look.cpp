@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace deformable_surface::contact {
@@ -10,6 +11,9 @@ namespace {
 // Points that are so many edges apart do not count, nor those of one more for each edge of the reach: in thick shells these are
 // near at rest. For a reach beyond three edges they would be too many, and all is near.
 constexpr double kRings = 3.0, kMostRings = 6.0;
+// Of the reach of two points: nor do they count if a path along edges between them was no longer at rest. In uneven triangles
+// three edges may be shorter than the reach.
+constexpr double kPath = 2.0;
 // Of the longest edge at either of two points: layers whose points are farther apart do not touch. A place in a triangle is
 // within 0.58 of its longest side of a corner. The middles of two edges that cross are within 0.71 of one of their ends.
 constexpr double kOfEdge = 0.75;
@@ -28,6 +32,46 @@ std::vector<Box> boundVertices(const Patches& patches, const Points& positions) 
   std::vector<Box> boxes;
   boundVertices(patches, positions, 0.0, boxes);
   return boxes;
+}
+
+// m, of the edges at each point (n), overwritten. Returns the longest of all.
+double findLongest(const Points& positions, const std::vector<Edge>& edges, std::vector<double>& of_points) {
+  of_points.assign(positions.size(), 0.0);
+  double longest = 0.0;
+  for (const auto& [a, b] : edges) {
+    const double length = (positions[a] - positions[b]).norm();
+    of_points[a] = std::max(of_points[a], length);
+    of_points[b] = std::max(of_points[b], length);
+    longest = std::max(longest, length);
+  }
+  return longest;
+}
+
+using Neighbourhood = std::vector<std::vector<Index>>;  // of each point: the others at its edges
+
+// The points so many edges from a point, or nearer.
+void listWithinRings(const Neighbourhood& next, Index from, std::size_t rings, std::vector<Index>& found) {
+  found = {from};
+  for (std::size_t begin = 0, ring = 0; ring < rings; ++ring)
+    for (const std::size_t end = found.size(); begin < end; ++begin)
+      for (const Index j : next[found[begin]])
+        if (std::find(found.begin(), found.end(), j) == found.end()) found.push_back(j);
+}
+
+// The points to which a path along edges is no longer than most, m; some more than once. path: (n), infinite before and after.
+void listWithinPath(const Points& rest, const Neighbourhood& next, Index from, double most, std::vector<double>& path,
+                    std::vector<Index>& found) {
+  found = {from};
+  path[from] = 0.0;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    for (const Index j : next[found[k]]) {
+      const Index i = found[k];
+      const double longer = path[i] + (rest[i] - rest[j]).norm();
+      if (!(longer <= most && longer < path[j])) continue;
+      path[j] = longer;
+      found.push_back(j);
+    }
+  for (const Index i : found) path[i] = std::numeric_limits<double>::infinity();
 }
 
 void findNormals(const Points& positions, const std::vector<Triangle>& triangles, std::vector<Vec3>& normals) {
@@ -80,10 +124,12 @@ void QuickLook::listFolds(const Points& rest) {
 
 void QuickLook::listNeighbours(const Points& rest) {
   const auto n = static_cast<Index>(rest.size());
-  std::vector<std::vector<Index>> next(n);
+  Neighbourhood next(n);
+  double sum = 0.0;
   for (const auto& [a, b] : edges_) {
     next[a].push_back(b);
     next[b].push_back(a);
+    sum += (rest[a] - rest[b]).norm();
   }
   std::vector<Index> patch_of(n, -1), place(n, 0);
   for (Index p = 0; p < patches_.size(); ++p) {
@@ -93,21 +139,24 @@ void QuickLook::listNeighbours(const Points& rest) {
       place[v] = num++;
     });
   }
-  double sum = 0.0;
-  for (const auto& [a, b] : edges_) sum += (rest[a] - rest[b]).norm();
-  const double in_reach = edges_.empty() ? 0.0 : reach_ * edges_.size() / sum;
-  const auto rings = static_cast<std::size_t>(std::min(kRings + in_reach, kMostRings));
   std::map<std::array<Index, 2>, Neighbours> by_couple;
+  const auto mark = [&](Index i, Index j) {
+    if (patch_of[i] <= patch_of[j]) by_couple[{patch_of[i], patch_of[j]}][place[i]] |= std::uint32_t{1} << place[j];
+  };
+  const double mean = edges_.empty() ? 0.0 : sum / edges_.size(), reach = std::min(reach_, (kMostRings - kRings) * mean);
+  const auto rings = static_cast<std::size_t>(mean > 0.0 ? kRings + reach / mean : kRings);
+  findLongest(rest, edges_, longest_);
+  std::vector<double> path(n, std::numeric_limits<double>::infinity());
   std::vector<Index> found;
   for (Index i = 0; i < n; ++i) {
     if (patch_of[i] < 0) continue;
-    found = {i};
-    for (std::size_t begin = 0, ring = 0; ring < rings; ++ring)
-      for (const std::size_t end = found.size(); begin < end; ++begin)
-        for (const Index j : next[found[begin]])
-          if (std::find(found.begin(), found.end(), j) == found.end()) found.push_back(j);
-    for (const Index j : found)
-      if (patch_of[i] <= patch_of[j]) by_couple[{patch_of[i], patch_of[j]}][place[i]] |= std::uint32_t{1} << place[j];
+    listWithinRings(next, i, rings, found);
+    for (const Index j : found) mark(i, j);
+    listWithinPath(rest, next, i, kPath * (kOfEdge * longest_[i] + reach), path, found);
+    for (const Index j : found) {
+      mark(i, j);
+      mark(j, i);
+    }
   }
   for (const auto& [couple, neighbours] : by_couple) {
     couples_.push_back(couple);
@@ -125,14 +174,7 @@ bool QuickLook::isAnyFoldSharp(const Points& positions) {
 }
 
 bool QuickLook::areAnyPointsNear(const Points& positions) {
-  longest_.assign(positions.size(), 0.0);
-  double longest = 0.0;
-  for (const auto& [a, b] : edges_) {
-    const double length = (positions[a] - positions[b]).norm();
-    longest_[a] = std::max(longest_[a], length);
-    longest_[b] = std::max(longest_[b], length);
-    longest = std::max(longest, length);
-  }
+  const double longest = findLongest(positions, edges_, longest_);
   const double half = 0.5 * (kOfEdge * longest + reach_);
   boundVertices(patches_, positions, half, boxes_);
   tree_.refit(boxes_);
