@@ -37,8 +37,8 @@ void Clearance::makeSpares() {
   }
 }
 
-void Clearance::lookInstead(const Patches& patches, double slack) {
-  look_.emplace(rest_, triangles_, listEdges(static_cast<Index>(rest_.size()), triangles_), patches, distance_ + slack);
+void Clearance::lookInstead(const Patches& patches, double slack, bool is_body) {
+  look_.emplace(rest_, triangles_, listEdges(static_cast<Index>(rest_.size()), triangles_), patches, distance_ + slack, is_body);
   slack_ = slack;
   looks_ = true;
   if (spares_.empty()) makeSpares();

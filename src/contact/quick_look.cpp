@@ -74,6 +74,34 @@ void listWithinPath(const Points& rest, const Neighbourhood& next, Index from, d
   for (const Index i : found) path[i] = std::numeric_limits<double>::infinity();
 }
 
+// Pairs of points, either first, that are neighbours along the surface.
+std::vector<Edge> listAlong(const Points& rest, const std::vector<Edge>& edges, double reach) {
+  const auto n = static_cast<Index>(rest.size());
+  Neighbourhood next(n);
+  double sum = 0.0;
+  for (const auto& [a, b] : edges) {
+    next[a].push_back(b);
+    next[b].push_back(a);
+    sum += (rest[a] - rest[b]).norm();
+  }
+  const double mean = edges.empty() ? 0.0 : sum / edges.size(), in_reach = std::min(reach, (kMostRings - kRings) * mean);
+  const auto rings = static_cast<std::size_t>(mean > 0.0 ? kRings + in_reach / mean : kRings);
+  std::vector<double> longest, path(n, std::numeric_limits<double>::infinity());
+  findLongest(rest, edges, longest);
+  std::vector<Edge> pairs;
+  std::vector<Index> found;
+  for (Index i = 0; i < n; ++i) {
+    listWithinRings(next, i, rings, found);
+    for (const Index j : found) pairs.push_back({i, j});
+    listWithinPath(rest, next, i, kPath * (kOfEdge * longest[i] + in_reach), path, found);
+    for (const Index j : found) {
+      pairs.push_back({i, j});
+      pairs.push_back({j, i});
+    }
+  }
+  return pairs;
+}
+
 void findNormals(const Points& positions, const std::vector<Triangle>& triangles, std::vector<Vec3>& normals) {
   normals.resize(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -92,15 +120,22 @@ bool goesAlong(const Triangle& triangle, const Edge& edge) {
 }  // namespace
 
 QuickLook::QuickLook(const Points& rest, const std::vector<Triangle>& triangles, const std::vector<Edge>& edges,
-                     const Patches& patches, double reach)
+                     const Patches& patches, double reach, bool is_body)
     : triangles_(triangles),
       edges_(edges),
       patches_(patches),
       reach_(reach),
+      num_points_(static_cast<Index>(rest.size())),
       boxes_(boundVertices(patches, rest)),
       tree_(boxes_) {
   listFolds(rest);
-  listNeighbours(rest);
+  std::vector<Edge> pairs = listAlong(rest, edges_, reach_);
+  setNeighbours(pairs);
+  if (is_body) {
+    const std::vector<Edge> opposite = listOpposite(rest);
+    pairs.insert(pairs.end(), opposite.begin(), opposite.end());
+    setNeighbours(pairs);
+  }
   of_one_.reserve(Patches::kMostVertices);
   of_other_.reserve(Patches::kMostVertices);
 }
@@ -122,16 +157,8 @@ void QuickLook::listFolds(const Points& rest) {
     }
 }
 
-void QuickLook::listNeighbours(const Points& rest) {
-  const auto n = static_cast<Index>(rest.size());
-  Neighbourhood next(n);
-  double sum = 0.0;
-  for (const auto& [a, b] : edges_) {
-    next[a].push_back(b);
-    next[b].push_back(a);
-    sum += (rest[a] - rest[b]).norm();
-  }
-  std::vector<Index> patch_of(n, -1), place(n, 0);
+void QuickLook::setNeighbours(const std::vector<Edge>& pairs) {
+  std::vector<Index> patch_of(num_points_, -1), place(num_points_, 0);
   for (Index p = 0; p < patches_.size(); ++p) {
     Index num = 0;
     patches_.visitVertices(p, [&](Index v) {
@@ -140,49 +167,68 @@ void QuickLook::listNeighbours(const Points& rest) {
     });
   }
   std::map<std::array<Index, 2>, Neighbours> by_couple;
-  const auto mark = [&](Index i, Index j) {
-    if (patch_of[i] <= patch_of[j]) by_couple[{patch_of[i], patch_of[j]}][place[i]] |= std::uint32_t{1} << place[j];
-  };
-  const double mean = edges_.empty() ? 0.0 : sum / edges_.size(), reach = std::min(reach_, (kMostRings - kRings) * mean);
-  const auto rings = static_cast<std::size_t>(mean > 0.0 ? kRings + reach / mean : kRings);
-  findLongest(rest, edges_, longest_);
-  std::vector<double> path(n, std::numeric_limits<double>::infinity());
-  std::vector<Index> found;
-  for (Index i = 0; i < n; ++i) {
-    if (patch_of[i] < 0) continue;
-    listWithinRings(next, i, rings, found);
-    for (const Index j : found) mark(i, j);
-    listWithinPath(rest, next, i, kPath * (kOfEdge * longest_[i] + reach), path, found);
-    for (const Index j : found) {
-      mark(i, j);
-      mark(j, i);
-    }
+  for (const auto& [i, j] : pairs) {
+    const Index one = patch_of[i], other = patch_of[j];
+    if (one >= 0 && one <= other) by_couple[{one, other}][place[i]] |= std::uint32_t{1} << place[j];
   }
+  couples_.clear();
+  neighbours_.clear();
   for (const auto& [couple, neighbours] : by_couple) {
     couples_.push_back(couple);
     neighbours_.push_back(neighbours);
   }
 }
 
-bool QuickLook::isAnyNear(const Points& positions) { return isAnyFoldSharp(positions) || areAnyPointsNear(positions); }
+// Pairs of near points, either first, between which a body is, rather than room: it is in the way of their contact.
+std::vector<Edge> QuickLook::listOpposite(const Points& rest) {
+  Points normals(rest.size(), Vec3::Zero());
+  double volume = 0.0;  // times six
+  for (const auto& [a, b, c] : triangles_) {
+    const Vec3 normal = (rest[b] - rest[a]).cross(rest[c] - rest[a]);
+    for (const Index i : {a, b, c}) normals[i] += normal;
+    volume += normal.dot(rest[a] - rest[0]);
+  }
+  for (Vec3& normal : normals) normal = volume > 0.0 ? normal.normalized() : -normal.normalized();
+  std::vector<Edge> pairs;
+  visitNear(rest, [&](Index i, Index j) {
+    if ((rest[j] - rest[i]).dot(normals[j] - normals[i]) > 0.0) {
+      pairs.push_back({i, j});
+      pairs.push_back({j, i});
+    }
+    return false;
+  });
+  return pairs;
+}
+
+bool QuickLook::isAnyNear(const Points& positions) {
+  return isAnyFoldSharp(positions) || visitNear(positions, [&](Index i, Index j) {
+           place_seen_ = 0.5 * (positions[i] + positions[j]);
+           return true;
+         });
+}
 
 // Undefined numbers count as sharp.
 bool QuickLook::isAnyFoldSharp(const Points& positions) {
   findNormals(positions, triangles_, normals_);
-  return !std::all_of(folds_.begin(), folds_.end(),
-                      [&](const Fold& fold) { return fold.sense * normals_[fold.one].dot(normals_[fold.other]) >= fold.least; });
+  const auto sharp = std::find_if(folds_.begin(), folds_.end(), [&](const Fold& fold) {
+    return !(fold.sense * normals_[fold.one].dot(normals_[fold.other]) >= fold.least);
+  });
+  if (sharp == folds_.end()) return false;
+  place_seen_ = positions[triangles_[sharp->one][0]];
+  return true;
 }
 
-bool QuickLook::areAnyPointsNear(const Points& positions) {
+template <class Visit>
+bool QuickLook::visitNear(const Points& positions, const Visit& visit) {
   const double longest = findLongest(positions, edges_, longest_);
   const double half = 0.5 * (kOfEdge * longest + reach_);
   boundVertices(patches_, positions, half, boxes_);
   tree_.refit(boxes_);
   static constexpr Neighbours kNone{};
-  bool is_any = false;
-  for (Index p = 0; p < patches_.size() && !is_any; ++p)
+  bool is_done = false;
+  for (Index p = 0; p < patches_.size() && !is_done; ++p)
     tree_.visitMeeting(boxes_[p], [&](Index q) {
-      if (q < p || is_any) return;
+      if (q < p || is_done) return;
       listWithin(p, grow(boxes_[q], half), positions, of_one_);
       if (of_one_.empty()) return;
       listWithin(q, grow(boxes_[p], half), positions, of_other_);
@@ -193,10 +239,11 @@ bool QuickLook::areAnyPointsNear(const Points& positions) {
         for (const Vertex& w : of_other_) {
           if ((neighbours[v.place] >> w.place & 1U) != 0) continue;
           const double reach = kOfEdge * std::max(longest_[v.index], longest_[w.index]) + reach_;
-          is_any = is_any || (positions[v.index] - positions[w.index]).squaredNorm() < reach * reach;
+          const bool is_near = (positions[v.index] - positions[w.index]).squaredNorm() < reach * reach;
+          is_done = is_done || (is_near && visit(v.index, w.index));
         }
     });
-  return is_any;
+  return is_done;
 }
 
 void QuickLook::listWithin(Index patch, const Box& box, const Points& positions, std::vector<Vertex>& list) const {

@@ -26,12 +26,12 @@ constexpr double kSlack = 0.6;
 SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses,
                          const SelfContactParams& params)
     : motion_(rest.size()),
-      list_(rest, triangles, params.thickness, params.takes_lone_points),
+      list_(rest, triangles, params.thickness, !params.is_body),
       clearance_(std::move(rest), triangles, kWatched * params.thickness,
                  list_.patches().size() < kFewPatches ? nullptr : &list_.patches()),
       masses_(std::move(masses)),
       params_(params) {
-  if (params_.looks_first) clearance_.lookInstead(list_.patches(), kSlack * list_.medianEdge());
+  if (params_.looks_first) clearance_.lookInstead(list_.patches(), kSlack * list_.medianEdge(), params_.is_body);
 }
 
 void SelfContact::keepWhole(const std::vector<char>& is_whole) {

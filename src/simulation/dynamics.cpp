@@ -10,6 +10,7 @@
 
 #include "contact_areas.h"
 #include "points_between.h"
+#include "rest_parts.h"
 #include "spacing.h"
 
 namespace deformable_surface::simulation {
@@ -62,7 +63,7 @@ void Dynamics::makeSelfContact(Made made) {
   meeting.friction = params_.contact.friction;
   meeting.kinetic_friction = params_.contact.kinetic_friction.valueOr(params_.contact.friction);
   meeting.hardens = is_static || params_.integrator.type == solve::IntegratorType::kImplicit;
-  meeting.takes_lone_points = traits.is_surface;
+  meeting.is_body = !traits.is_surface;
   meeting.compliance = params_.contact.compliance;
   if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params_, *rest_, *model_).of_points;
   if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
@@ -77,8 +78,8 @@ void Dynamics::makeSelfContact(Made made) {
     make();
     if (!isClear()) {
       why_no_self_contact_ =
-          "parts of the surface at rest are near each other or folded sharply, or it is thick beside the spacing of its points, "
-          "or these are uneven";
+          "at rest parts are near each other for the spacing of their points and the thickness of contact, one near " +
+          formatPlace(loads_.self_contact->contact.placeSeen()) + " m";
       skin_without_contact_ = loads_.self_contact->skin();
       loads_.self_contact.reset();
       return;

@@ -18,11 +18,12 @@ namespace {
 // A look at a surface of its own.
 class Looker {
  public:
-  Looker(const test::Sheets& sheets, double reach)
+  Looker(const test::Sheets& sheets, double reach, bool is_body = false)
       : list_(sheets.points, sheets.triangles, 1e-4),
-        look_(sheets.points, sheets.triangles, list_.edges(), list_.patches(), reach) {}
+        look_(sheets.points, sheets.triangles, list_.edges(), list_.patches(), reach, is_body) {}
 
   bool isAnyNear(const Points& positions) { return look_.isAnyNear(positions); }
+  const Vec3& placeSeen() const { return look_.placeSeen(); }
   double edge() const { return list_.medianEdge(); }
 
  private:
@@ -37,6 +38,34 @@ TEST(QuickLook, SeesNothingNearInShapesAtRest) {
   }
   const test::Sheets ball = test::makeBall(11, 20);
   EXPECT_FALSE(Looker(ball, 0.006).isAnyNear(ball.points));
+}
+
+// Rows seven times as dense as wide: points four of the short edges apart are within reach for the long ones.
+TEST(QuickLook, SeesNothingNearInUnevenTriangles) {
+  test::Sheets sheet = test::makeSheets(1, 14, 0.0, 0.0);
+  for (Vec3& x : sheet.points) x.x() /= 7.0;
+  EXPECT_FALSE(Looker(sheet, 0.002).isAnyNear(sheet.points));
+}
+
+// Two flat bodies, each thinner than the reach, one above the other.
+TEST(QuickLook, SeesRoomBetweenBodiesAndNotTheirOwnThickness) {
+  test::Sheets bodies = test::makeBall(11, 20);
+  for (Vec3& x : bodies.points) x.z() *= 0.15;
+  EXPECT_TRUE(Looker(bodies, 0.006).isAnyNear(bodies.points));
+  EXPECT_FALSE(Looker(bodies, 0.006, true).isAnyNear(bodies.points));
+  const Index n = static_cast<Index>(bodies.points.size());
+  const std::vector<Triangle> one = bodies.triangles;
+  for (const Triangle& t : one) bodies.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+  for (Index i = 0; i < n; ++i) bodies.points.push_back(bodies.points[i] + Vec3(0.0, 0.0, 0.025));
+  Looker looker(bodies, 0.006, true);
+  EXPECT_TRUE(looker.isAnyNear(bodies.points));
+  EXPECT_NEAR(looker.placeSeen().z(), 0.0125, 0.002);
+  Points apart = bodies.points;
+  for (Index i = n; i < 2 * n; ++i) apart[i].z() += 0.02;
+  EXPECT_FALSE(looker.isAnyNear(apart));
+  // Whichever way round their corners go.
+  for (Triangle& t : bodies.triangles) std::swap(t[1], t[2]);
+  EXPECT_FALSE(Looker(bodies, 0.006, true).isAnyNear(apart));
 }
 
 TEST(QuickLook, SeesNothingNearInABallThatStretchesTurnsAndBends) {

@@ -23,11 +23,13 @@ class Clearance {
   double distance() const { return distance_; }  // m
 
   /// From now on a quick look takes the place of the proof of the whole, for surfaces that have none: see QuickLook. patches: as
-  /// in the constructor; slack: m, motion of any two points against each other until it is taken again.
-  void lookInstead(const Patches& patches, double slack);
+  /// in the constructor; slack: m, motion of any two points against each other until it is taken again; is_body: see there.
+  void lookInstead(const Patches& patches, double slack, bool is_body);
   /// Whether it does, after lookInstead(). Forgets what is proven.
   void setLooks(bool looks);
   bool looks() const { return looks_; }
+  /// See QuickLook; after lookInstead().
+  const Vec3& placeSeen() const { return look_->placeSeen(); }
   /// Whether the whole may have a proof: false for closed surfaces.
   bool hasOutline() const { return !whole_.isEmpty(); }
   /// Tries the proof for points that keep their velocities (n) for a time; m and s, or any other unit of time. A look in its

@@ -49,7 +49,8 @@ class PairList {
   };
 
   /// rest: (n) m. thickness: m. Pairs that touch at rest are omitted. So is what passes through each other at rest: all pairs
-  /// that have an end of an edge and a corner of a triangle which that edge crosses. takes_lone_points: see SelfContactParams.
+  /// that have an end of an edge and a corner of a triangle which that edge crosses. takes_lone_points: points without
+  /// triangles touch those of others.
   PairList(Points rest, const std::vector<Triangle>& triangles, double thickness, bool takes_lone_points = true);
 
   /// Leaves out the triangles that are cut or torn, and the edges that are left without any: (triangles) 1 = whole. Points

@@ -27,7 +27,8 @@ struct SelfContactParams {
   double kinetic_friction = 0.0;  // of pairs that slide, not above friction
   bool hardens = false;           // springs become ever stiffer towards the least distance that limit() allows, and damping sets
                                   // in gradually: for methods that search a balance of forces
-  bool takes_lone_points = true;  // points without triangles at rest touch those of others; else they are no part of it
+  bool is_body = false;           // the skin of one: points without triangles are inside it and no part of it. On surfaces these
+                                  // touch the triangles of others
   bool looks_first = false;       // contact acts where a quick look finds parts near each other: see Clearance::lookInstead()
   double compliance = 0.0;        // m/Pa, of a pad between parts; 0: none
   std::vector<double> areas{};    // (n) m^2, that vertices stand for on one side; empty without a pad
@@ -65,6 +66,8 @@ class SelfContact {
   /// anything), or by a quick look.
   bool isClear(const Points& rest);
   bool looksFirst() const { return params_.looks_first; }
+  /// m, where a quick look saw something near last.
+  const Vec3& placeSeen() const { return clearance_.placeSeen(); }
   /// What is known of the present motion, for snapshots. See Clearance.
   std::shared_ptr<const ClearMotion> proven() const { return clearance_.proven(); }
   void setProven(std::shared_ptr<const ClearMotion> proven) { clearance_.setProven(std::move(proven)); }
