@@ -4,16 +4,12 @@
 #include <cmath>
 
 #include "estimated_dynamics.h"
+#include "step_work.h"
 
 namespace deformable_surface::simulation {
 namespace {
 
 constexpr double kMostKept = 2e6;  // points whose positions are kept of a probe: some fifty megabytes
-
-// Cost of a Newton iteration over that of a Verlet sub-step, from 128 to 2048 points: between measurements on sheets, whose
-// factors are sparser, and on spheres (docs/decisions/0006).
-constexpr double kNewtonFactor = 3.8, kNewtonExponent = 0.8;
-constexpr double kQuasiNewtonWork = 3.0;  // of an iteration, in passes of forces: 0.06 ms beside 0.02 with 400 points
 
 // A trial ends when it has taken more than this, about ten seconds of one core, and more than all trials before it.
 constexpr double kMostWork = 1e8;
@@ -30,8 +26,6 @@ std::string sayPoints(Index points, Index of) { return std::to_string(points) + 
 bool WorkBudget::allows(double work, double whole) const {
   return spent_ + work <= kShareOfWhole * whole && work <= std::max(kMostWork, spent_);
 }
-
-double newtonWork(Index points) { return kNewtonFactor * std::pow(points, kNewtonExponent); }
 
 Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double target,
                  const Probe* beside, const ProbeLimits& limits) {
@@ -71,9 +65,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     probe.candidate.is_bounded = probe.candidate.is_bounded && is_sound && trial.estimator()->isBounded();
     probe.candidate.error = estimate + apart;
     probe.candidate.may_buckle = trial.estimator()->mayBuckle();
-    const double iteration = taken.is_quasi_newton ? kQuasiNewtonWork : newtonWork(tried.points);
-    const double substeps = taken.iterations > 0 ? iteration * taken.iterations : taken.substeps;
-    probe.candidate.work += static_cast<double>(tried.points) * substeps;
+    probe.candidate.work += workOf(taken, tried.points, newtonWork(tried.points));
     if (taken.iterations > 0) ++implicit_steps;
     probe.is_implicit = 2 * implicit_steps > k;
     probe.spent = probe.candidate.work;

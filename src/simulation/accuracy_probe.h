@@ -76,7 +76,4 @@ struct ProbeLimits {
 Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double target,
                  const Probe* beside = nullptr, const ProbeLimits& limits = {});
 
-/// Cost of a Newton iteration on so many points, in sub-steps of Verlet.
-double newtonWork(Index points);
-
 }  // namespace deformable_surface::simulation

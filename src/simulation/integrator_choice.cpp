@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "step_work.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
