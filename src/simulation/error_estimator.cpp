@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "spacing.h"
+#include "step_work.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -46,8 +47,19 @@ constexpr double kChaoticDistance = 0.05;
 // waves shorter than a few sub-steps after a sudden force.
 constexpr double kChaoticDistanceOfOthers = 0.5;
 constexpr Index kFewPoints = 1024;  // of a copy: its loops have four blocks at most
+// Work of the copies over that of the simulation, from which a notice tells so, and from which the estimate ends: most copies
+// take 0.2 to 0.6. What a few steps take above it does not count: so many points times sub-steps, less than a second.
+constexpr double kCostly = 2.0, kTooCostly = 10.0, kFreeWork = 2e6;
+// Of newtonWork(): what an iteration took beside sub-steps of Verlet, on a skirt that falls on a plane and on two planar bars.
+constexpr double kNewtonShare = 0.2;
 // Verlet's sub-steps of the copies are never too many if those of the simulation were not.
 constexpr Index kAnyNumber = 1000000000;
+
+// In points times sub-steps of Verlet.
+double findWork(const solve::SolveReport& taken, const Dynamics& dynamics) {
+  const Index points = dynamics.state().size();
+  return workOf(taken, points, kNewtonShare * newtonWork(points));
+}
 
 // Methods with numerical damping; Verlet's error is negligible beside theirs: first-order methods, and the implicit
 // one, whose second order only shows in motions that it resolves.
@@ -273,6 +285,26 @@ std::string ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   return shadow.leaves_copies || twin.leaves_copies ? "bonds of a coarser copy broke" : "";
 }
 
+// Counts the work of the copies beside Verlet's steps of the simulation: a surface of few points can be far stiffer. Equilibria
+// are few. Beside damping methods integrator.max_substeps limits it, and their steps take next to no iterations near rest, unlike
+// the twin's.
+void ErrorEstimator::followWork(const Dynamics& level, const solve::SolveReport& taken) {
+  if (level.lastIntegrator() != IntegratorType::kVerlet) return;
+  const double own = std::max(1.0, findWork(taken, level));
+  const auto add = [&](double times, double& excess) { excess = std::max(0.0, excess + copies_work_ - times * own); };
+  add(kCostly, seen_.excess);
+  add(kTooCostly, seen_.far_excess);
+  times_own_ = copies_work_ / own;
+}
+
+// Returns a sentence, once, when the copies take more work than the simulation.
+std::string ErrorEstimator::describeCost() {
+  if (seen_.is_costly || seen_.excess <= kFreeWork) return "";
+  seen_.is_costly = true;
+  return "the error estimate takes " + formatShort(times_own_) +
+         " times the work of the simulation, as its coarser copies are stiffer; accuracy.estimate: false saves it";
+}
+
 // In steps dents are watched as they grow; in equilibria the load counts; forces that press in count in both.
 Buckling ErrorEstimator::judgeBuckling(const Dynamics& level) {
   const Points& positions = level.state().positions;
@@ -333,16 +365,17 @@ std::pair<Dynamics::Outcome, Dynamics::Outcome> ErrorEstimator::stepBoth(Dynamic
       step(copy);
     });
   }
+  copies_work_ = findWork(of_a.report, a) + findWork(of_b.report, b);
   return {std::move(of_a), std::move(of_b)};
 }
 
-std::string ErrorEstimator::follow(const Dynamics& level, bool ends) {
+std::string ErrorEstimator::follow(const Dynamics& level, const solve::SolveReport& taken, bool ends) {
   seen_before_ = seen_;
   seen_.is_lost = seen_.is_lost || ends;
   dents_before_ = dents_.growth();
   stepped_.clear();
   twin_left_.reset();
-  std::string said = followStep(level);
+  std::string said = followStep(level, taken);
   if (!(level.interrupt() && *level.interrupt())) return said;
   for (Dynamics* copy : stepped_)
     if (copy != twin_.get() || !twin_left_) copy->undoStep();
@@ -352,7 +385,7 @@ std::string ErrorEstimator::follow(const Dynamics& level, bool ends) {
   throw Interrupted();
 }
 
-std::string ErrorEstimator::followStep(const Dynamics& level) {
+std::string ErrorEstimator::followStep(const Dynamics& level, const solve::SolveReport& taken) {
   const Points& positions = level.state().positions;
   const IntegratorType type = level.lastIntegrator();
   const Buckling buckling = seen_.has_dented ? Buckling::kLikely : judgeBuckling(level);
@@ -361,7 +394,12 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   // Searches by particles end far apart where there is more than one equilibrium, also without dents.
   seen_.may_end_elsewhere = common_.empty() && type == IntegratorType::kStatic && seen_.may_buckle;
   const bool was_halved = seen_.is_halved;
-  if (const std::string why = stepCopies(type, level.lastSubsteps()); !why.empty()) {
+  std::string why = stepCopies(type, level.lastSubsteps());
+  followWork(level, taken);
+  if (why.empty() && seen_.far_excess > kFreeWork)
+    why = "its coarser copies are far stiffer than the simulation, and their last step took " + formatShort(times_own_) +
+          " times its work; another simplification.target_points may have an estimate";
+  if (!why.empty()) {
     seen_.is_lost = true;
     return "the error cannot be estimated until the next reset: " + why;
   }
@@ -393,6 +431,7 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   if (is_local_) followPlaces(level, lasting);
   std::string notice = followTools(level, lasting);
   appendNotice(notice, followMeeting(level));
+  appendNotice(notice, describeCost());
   hold(seen_.twin_distance, findLargestDistance(besideTwin().state().positions, twin_->state().positions));
 
   const bool was_chaotic = seen_.is_chaotic;

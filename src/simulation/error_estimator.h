@@ -56,7 +56,7 @@ class ErrorEstimator {
   /// Follows a step that the level has taken; ends: which has changed it so that there is no estimate from now on. Allocates
   /// nothing after the first. Returns a sentence when the estimate ceases to be a bound, or to exist; else an empty one. Throws
   /// Interrupted if the level's interrupt is true at the end: the step then counts as not followed.
-  std::string follow(const Dynamics& level, bool ends);
+  std::string follow(const Dynamics& level, const solve::SolveReport& taken, bool ends);
 
   /// Whether the next equilibrium, the first since the last reset or set state, should be searched for twice: copies of fewer
   /// points may miss other equilibria. The second search starts searchDisturbance() (m) from the start of the first.
@@ -109,10 +109,12 @@ class ErrorEstimator {
     bool has_unfelt = false;                        // a tool was in the surface and pushed nothing
     bool has_searched = false, has_others = false;  // twice for the first equilibrium; and found more than one
     double others = 0.0;                            // m, how far away the other one is; infinite: it was not found
+    double excess = 0.0, far_excess = 0.0;          // work of the copies above twice, and many times, that of the simulation
+    bool is_costly = false;                         // a notice has told so
     std::vector<float> apart;                       // (m) m, see apart()
   };
 
-  std::string followStep(const Dynamics& level);
+  std::string followStep(const Dynamics& level, const solve::SolveReport& taken);
   void followPlaces(const Dynamics& level, double lasting);
   std::pair<Dynamics::Outcome, Dynamics::Outcome> stepBoth(Dynamics& a, Dynamics& b);
   void followVerlet(solve::IntegratorType type);
@@ -122,6 +124,8 @@ class ErrorEstimator {
   double measureTime(solve::IntegratorType type) const;
   double boundFactor() const { return isBounded() ? 1.0 : kUnboundedFactor; }
   Buckling judgeBuckling(const Dynamics& level);
+  void followWork(const Dynamics& level, const solve::SolveReport& taken);
+  std::string describeCost();
   std::string followTools(const Dynamics& level, double lasting);
   std::string followMeeting(const Dynamics& level);
 
@@ -153,6 +157,7 @@ class ErrorEstimator {
   std::optional<DynamicsState> twin_left_;  // of the twin, if it goes on from the shadow in this step
   // Scratch.
   Points coarse_now_, refined_;
+  double copies_work_ = 0.0, times_own_ = 0.0;  // of the last two copies that took a step at once; over that of the simulation
 };
 
 struct ErrorEstimator::Memory {

@@ -113,7 +113,7 @@ void EstimatedDynamics::estimate(Outcome& outcome) {
   if (outcome.has_new_arrival) estimator_->adoptArrivals(dynamics_->loads().contact);
   const bool has_others = dynamics_->state().size() != static_cast<Index>(dynamics_->rest().points.size());
   const bool has_left = outcome.leaves_copies || has_others, was_finite = std::isfinite(estimator_->total());
-  const std::string notice = estimator_->follow(*dynamics_, outcome.has_cut || has_left);
+  const std::string notice = estimator_->follow(*dynamics_, outcome.report, outcome.has_cut || has_left);
   if (was_finite && (outcome.has_cut || has_left))
     appendNotice(outcome.notice,
                  (outcome.has_cut ? describeCut(*dynamics_) : "particles are torn apart, heated, added or removed") +

@@ -139,5 +139,58 @@ TEST(SolidEstimate, ChangesNoBitOfTheResultAndIsTheSameForEveryNumberOfThreadsAn
   EXPECT_EQ(bare.stateHash(), hash);
 }
 
+// Of the copies' points some few are near each other beside the slit: they need eight times as many sub-steps as all points.
+SceneParams makeTwoBars(const std::string& more) {
+  return parseScene(R"(
+model: elastic_solid
+cloud: {shape: two_bars, points: 1500, size: [1.0, 0.1], gap: 0.02, jitter: 0.1}
+material: {young_modulus: 3.0e6, poisson_ratio: 0.3, thickness: 0.01, density: 1000.0, damping: 10.0}
+pins: [{box: {min: [-1.0, -1.0, 0.005], max: [2.0, 1.0, 1.0]}}]
+)" + more);
+}
+
+TEST(CostOfEstimate, IsToldOnceWhereTheCopiesTakeMoreWorkThanTheSimulation) {
+  Simulation s = makeSimulation(makeTwoBars(""));
+  Index told = 0;
+  for (int k = 0; k < 12; ++k) told += s.step().notice.find("the error estimate takes 6.06 times the work") != std::string::npos;
+  EXPECT_EQ(told, 1);
+  EXPECT_TRUE(std::isfinite(s.statistics().error_estimate));
+}
+
+// The copies need implicit steps, where the simulation takes nine sub-steps.
+TEST(CostOfEstimate, EndsAnEstimateThatTakesManyTimesTheWorkOfTheSimulation) {
+  SceneParams scene = makeTwoBars("integrator: {time_step: 0.002, max_substeps: 20}");
+  Simulation s = makeSimulation(scene);
+  const auto findEnd = [](Simulation& run) {
+    Index ends = 0;
+    for (Index k = 1; k <= 30; ++k) {
+      const simulation::StepOutcome outcome = run.step();
+      EXPECT_TRUE(outcome.ok) << outcome.problem;
+      const bool has_ended = outcome.notice.find("its coarser copies are far stiffer than the simulation") != std::string::npos;
+      EXPECT_TRUE(!has_ended || ends == 0) << outcome.notice;
+      if (has_ended) ends = k;
+    }
+    return ends;
+  };
+  s.step();
+  EXPECT_TRUE(std::isfinite(s.statistics().error_estimate));
+  const simulation::Snapshot snapshot = s.snapshot();
+  const Index ends = findEnd(s);
+  EXPECT_GT(ends, 1);
+  EXPECT_TRUE(std::isinf(s.statistics().error_estimate));
+  EXPECT_FALSE(s.statistics().error_bounded);
+  const std::uint64_t hash = s.stateHash();
+  s.restore(snapshot);
+  EXPECT_TRUE(std::isfinite(s.statistics().error_estimate));
+  Simulation fork = s.fork();
+  EXPECT_EQ(findEnd(fork), ends);
+  s.reset();
+  EXPECT_EQ(findEnd(s), ends + 1);
+  scene.accuracy.estimate = false;
+  Simulation bare = makeSimulation(scene);
+  for (int k = 0; k < 31; ++k) bare.step();
+  EXPECT_EQ(bare.stateHash(), hash);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
