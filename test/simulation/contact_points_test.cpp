@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <random>
 
 namespace deformable_surface::test {
@@ -35,6 +36,24 @@ TEST(ContactPoints, ASimulationPointIsItselfAndAPointBetweenBelongsToItsCell) {
     EXPECT_EQ(sheet.points.massOf(p), sheet.masses[cell]);
     EXPECT_LT((place - sheet.rest.points[cell]).norm(), 0.12);
   }
+}
+
+// As where a mesh has a thin cell: springs and damping by the masses of the cells would need many times the sub-steps.
+TEST(ContactPoints, SpringsAndDampingAreWeakWherePointsBetweenFollowALightOne) {
+  Sheet sheet;
+  const Index n = sheet.points.numSimulated();
+  const std::shared_ptr<const transfer::SampledPoints> between = sheet.points.sharedBetween();
+  const double even_share = sheet.points.dampedShare();
+  sheet.masses[n / 2] *= 1e-3;
+  sheet.points.setBetween(between);
+  Index num_weak = 0;
+  for (Index p = n; p < sheet.points.size(); ++p) {
+    const double of_cell = sheet.masses[sheet.points.simulationPointOf(p)];
+    EXPECT_LE(sheet.points.massOf(p), 2.0 * (1.0 + 1e-9) * sheet.points.ownMassOf(p));
+    num_weak += sheet.points.massOf(p) < 0.05 * of_cell;
+  }
+  EXPECT_GT(num_weak, 8);
+  EXPECT_LT(sheet.points.dampedShare(), 4.0 * even_share);
 }
 
 // The stiffness matrix of a point is w_i w_j K. Its effect on a motion is that of the point's own motion.

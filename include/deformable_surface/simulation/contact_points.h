@@ -13,8 +13,9 @@ namespace deformable_surface::simulation {
 
 /// Numbering: the simulation points first, then those between. The latter have no mass of their own. For contact, each has the
 /// mass of the simulation point in whose cell it lies: the same penalty, so that a single one, at the corner of a box, carries as
-/// much as a simulation point. For damping, which would shorten the stable step, all points of a cell together have half of that
-/// mass, and spare points none.
+/// much as a simulation point. It has less where it follows points so light that its spring would shorten the stable step, as on
+/// uneven meshes. For damping, which would shorten that step, too, all points of a cell together have half of that mass, and
+/// spare points none.
 class ContactPoints {
  public:
   /// masses (m): kg, of the simulation points; kept by reference.
@@ -49,9 +50,12 @@ class ContactPoints {
   bool isSevered(Index p) const { return !is_severed_.empty() && isBetween(p) && is_severed_[p - numSimulated()]; }
   /// The simulation point itself, or the one in whose cell the point lies.
   Index simulationPointOf(Index p) const { return isBetween(p) ? between_->cellOf(p - numSimulated()) : p; }
-  double massOf(Index p) const { return masses_[simulationPointOf(p)]; }  // kg, for the penalty
+  /// kg, for the penalty: of points between at most twice ownMassOf().
+  double massOf(Index p) const {
+    return isBetween(p) ? mass_share_[p - numSimulated()] * masses_[simulationPointOf(p)] : masses_[p];
+  }
   /// kg, with which a point resists a force: 1 / sum_j (w_j^2 / m_j). At rate r it is the stiffest spring that adds r^2 to the
-  /// square of a frequency; that of massOf() adds a third to a half of it.
+  /// square of a frequency; that of massOf() adds a third to a half of it in even clouds, at most twice it.
   double ownMassOf(Index p) const;
   double dampedMassOf(Index p) const { return isBetween(p) ? damped_mass_[p - numSimulated()] : masses_[p]; }  // kg
   double totalMass() const;  // kg, of the surface
@@ -90,6 +94,7 @@ class ContactPoints {
 
   const std::vector<double>& masses_;
   std::shared_ptr<const transfer::SampledPoints> between_;
+  std::vector<double> mass_share_;     // (points between) massOf() over the mass of the simulation point of the cell
   std::vector<double> damped_mass_;    // (points between) kg
   mutable double damped_share_ = 0.0;  // 0: not found yet
   std::vector<Index> sharing_;         // (m) points that share the area of a cell; empty: each has one
