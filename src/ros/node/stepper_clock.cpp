@@ -2,10 +2,11 @@
 #include "stepper.h"
 
 #include "deformable_surface/base/value.h"
-#include "deformable_surface/simulation/model_kind.h"
 
 #include <algorithm>
 #include <string>
+
+#include "faster_steps.h"
 
 namespace deformable_surface::node {
 
@@ -81,14 +82,14 @@ void Stepper::letGoOfLag(double call_seconds) {
     return;
   }
   counts_.time_let_go += toSeconds(lag);
-  const std::string remedy = simulation::findModel(params_.model).traits().has_population
-                                 ? "a larger oriented_particles.spacing is faster"
-                                 : "fewer simulation points, or a larger integrator.tolerance of the implicit method, are faster";
-  const std::string why = step_seconds_ > params_.integrator.time_step ? "slower than real time (" + remedy + ")"
-                                                                       : "the process did not get to run for a while";
+  const bool is_slow = step_seconds_ > params_.integrator.time_step;
+  const std::string why = is_slow ? "slower than real time" : "the process did not get to run for a while";
+  const std::string faster = is_slow ? "; faster, beginning with what changes the least: " +
+                                           nameFaster(params_, simulation_->statistics(), touchesCloudPoints(*simulation_))
+                                     : "";
   warnings_.report(Warning::kBehind, why + ": the last step took " + formatShort(step_seconds_) + " s for " +
                                          formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
-                                         " s are not caught up");
+                                         " s are not caught up" + faster);
 }
 
 }  // namespace deformable_surface::node
