@@ -20,9 +20,10 @@ inline void visit(Fields& fields, ContactParams& p) {
   fields.integer("cloud_points", p.cloud_points, "", between(0, 64),
                  "points of the cloud around each simulation point that touch solid tools as well (mass_spring); 0 = simulation "
                  "points alone");
-  fields.flag("self", p.self,
-              "parts of a mass-spring surface, or of an elastic solid in space, do not pass through each other; `auto` = on for "
-              "surfaces of which no parts are near each other at rest, but for equilibria; it acts where parts come near");
+  fields.flag(
+      "self", p.self,
+      "parts of a mass-spring surface, or of an elastic solid in space, do not pass through each other; `auto` = on for "
+      "surfaces and solids of which no parts are near each other at rest, but for equilibria; it acts where parts come near");
   fields.flag(
       "untangle", p.untangle,
       "parts that pass through each other at the beginning, or in a state that is set or restored, are pushed apart; with "
