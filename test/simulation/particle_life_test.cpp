@@ -174,6 +174,23 @@ TEST(ParticleLife, NotesOfAGrownSurfaceDoNotCountItsSamplesParts) {
   }
 }
 
+// Samples, of which the nearest are three spacings apart.
+TEST(ParticleLife, ParticlesTooFarApartForBondsAreAWarningUnlessASurfaceIsGrown) {
+  for (const bool grows : {false, true}) {
+    simulation::SceneParams p = particleSheet();
+    p.pins.clear();
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+    p.oriented_particles.spacing = 0.05;
+    p.oriented_particles.grow_surface = grows;
+    const simulation::Simulation s(p, sheetCloud(8));
+    const auto& warnings = s.buildWarnings();
+    const bool is_told = std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+      return warning.find("fly or fall apart") != std::string::npos;
+    });
+    EXPECT_EQ(is_told, !grows);
+  }
+}
+
 // What growth leaves undone is a warning, with the number that ended it, or the place.
 TEST(ParticleLife, GrowthThatIsNotCompleteIsAWarning) {
   const auto warningOf = [](const std::function<void(simulation::SceneParams&, cloud::PointCloud&)>& change) {

@@ -82,9 +82,17 @@ double findLatticeSpacing(Index k, const RestSurface& s) {
   return count > 0.0 ? std::sqrt(4.0 * area / (std::sqrt(3.0) * count)) : 0.0;
 }
 
+// For a rest shape that is not the cloud's.
+void warnOfSpacing(double spacing, RestSurface& s) {
+  constexpr double kFar = 1.3;  // of the spacing, either way: bonds of that length are broken or crushed
+  const double median = findMedianDistance(s.points);
+  if (median < kFar * spacing && spacing < kFar * median) return;
+  s.warnings.push_back("the cloud's nearest neighbours are " + formatShort(median) +
+                       " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
+}
+
 // Warns of what makes particles move or separate from the beginning.
 void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
-  constexpr double kFar = 1.3;  // of the spacing, either way: bonds of that length are broken or crushed
   // Of E h a^2: with a tenth of it a draping sheet fell apart (docs/oriented_particles.md)
   constexpr double kSoftest = 0.02;
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
@@ -92,10 +100,6 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
     s.notes.push_back(
         "oriented_particles.growing edges: open edges grow until there are oriented_particles.growth.max_particles, " +
         std::to_string(params.oriented_particles.growth.max_particles) + "; edge_rows is for grow_surface");
-  const double median = findMedianDistance(s.points);
-  if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))
-    s.warnings.push_back("the cloud's nearest neighbours are " + formatShort(median) +
-                         " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
   const model::MaterialParams& m = params.material;
   constexpr double kTheirs = 1.0 / 3.0,
                    kNoted = 0.05;  // Poisson's ratio of a lattice; nearer the difference is below that of its defects
@@ -261,10 +265,10 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
     model.keepLayers(given);
   }
   if (params.oriented_particles.grow_surface) return;
-  if (params.oriented_particles.restsAsCloud())
-    takeCloudAsRest(params.neighbors.k, model, s);
-  else if (params.oriented_particles.mode == model::ParticleMode::kSpace)
+  if (params.oriented_particles.restsAsCloud()) return takeCloudAsRest(params.neighbors.k, model, s);
+  if (params.oriented_particles.mode == model::ParticleMode::kSpace)
     partCrushed(params.oriented_particles.exponents, model, s);
+  warnOfSpacing(model.lattice().spacing, s);
 }
 
 // Makes these dense points simulation points.
