@@ -266,8 +266,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   }
   if (params.oriented_particles.grow_surface) return;
   if (params.oriented_particles.restsAsCloud()) return takeCloudAsRest(params.neighbors.k, model, s);
-  if (params.oriented_particles.mode == model::ParticleMode::kSpace)
-    partCrushed(params.oriented_particles.exponents, model, s);
+  if (params.oriented_particles.mode == model::ParticleMode::kSpace) partCrushed(params.oriented_particles.exponents, model, s);
   warnOfSpacing(model.lattice().spacing, s);
 }
 
