@@ -139,7 +139,7 @@ TEST(SolidEstimate, ChangesNoBitOfTheResultAndIsTheSameForEveryNumberOfThreadsAn
   EXPECT_EQ(bare.stateHash(), hash);
 }
 
-// Of the copies' points some few are near each other beside the slit: they need eight times as many sub-steps as all points.
+// With these points the copies happen to be stiffer: they need eight times as many sub-steps as the simulation.
 SceneParams makeTwoBars(const std::string& more) {
   return parseScene(R"(
 model: elastic_solid
