@@ -269,6 +269,23 @@ TEST(RestSurface, TellsThatPointsLieInRows) {
   EXPECT_TRUE(warns(3.0));
 }
 
+// Also of a strip of two rows, which covers less than its points' distances tell.
+TEST(RestSurface, TellsOfItsAreaAndThatRowsFarApartLoseIt) {
+  const auto build = [](Index along, Index across, double apart) {
+    const Points points = makeSheet(along, across, along - 1.0, (across - 1.0) * apart).points;
+    return simulation::buildRestSurface(simulation::SceneParams(), asCloud(points));
+  };
+  const auto warns = [](const simulation::RestSurface& s) {
+    return std::any_of(s.warnings.begin(), s.warnings.end(),
+                       [](const std::string& w) { return w.find("points have next to no triangles") != std::string::npos; });
+  };
+  const simulation::RestSurface even = build(21, 16, 1.0);
+  EXPECT_EQ(std::count(even.notes.begin(), even.notes.end(), "area 300 m^2, mass 300 kg"), 1);
+  for (const simulation::RestSurface& s : {build(21, 16, 2.0), build(40, 2, 1.0)}) EXPECT_FALSE(warns(s));
+  EXPECT_FALSE(warns(even));
+  EXPECT_TRUE(warns(build(41, 31, 4.0)));
+}
+
 TEST(RestSurface, TellsThatPointsHaveOthersNearlyAtTheSamePlace) {
   for (const double apart : {0.02, 0.1}) {
     Points points = makeSheet(20, 20, 19.0, 19.0).points;
