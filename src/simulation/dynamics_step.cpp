@@ -128,6 +128,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   }
   std::optional<State> start;  // of a second search
   if (is_static && request.second_search > 0.0) start = points;
+  const bool was_closed = isClosed(*model_);
   const solve::TimeMarch::Outcome taken = findMotion(now, request);
   outcome.report = taken.report;
   outcome.is_static = taken.type == solve::IntegratorType::kStatic;
@@ -155,6 +156,10 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
     followCuts();
     placeLoadPoints();
     loads_.forces.followCut();
+    if (was_closed && !isClosed(*model_) && !loads_.pressure.isEmpty())
+      appendNotice(outcome.notice,
+                   "the surface is no longer closed, but pressure goes on acting on its pieces, along their normals: "
+                   "nothing lets it escape; pressure 0 ends it");
   }
   appendNotice(outcome.notice, endUntangling(dt));
   Changes changes;

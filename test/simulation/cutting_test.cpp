@@ -324,6 +324,26 @@ TEST(Tearing, ATornSurfaceIsNotSaidToBeCut) {
   EXPECT_EQ(tell(cut, sheetCloud()), "the surface is cut or torn");
 }
 
+TEST(Cutting, PressureInABallThatIsCutOpenGoesOnWithANotice) {
+  const auto tell = [](double pressure) {
+    simulation::SceneParams p = stillSheet();
+    p.pins.clear();
+    p.cloud.shape = simulation::CloudParams::Shape::kSphere;
+    p.cloud.points = 400;
+    p.cloud.radius = 0.5;
+    p.pressure = pressure;
+    p.tools[0].shape.size = Vec3(0.002, 0.1, 0.4);
+    p.tools[0].path = {{0.0, Vec3(0.0, -0.7, 0.5)}, {0.1, Vec3(0.0, 0.7, 0.5)}};
+    simulation::Simulation s(p, io::makeShape(p.cloud));
+    Index times = 0;
+    for (int k = 0; k < 12; ++k) times += s.step().notice.find("pressure goes on acting") != std::string::npos;
+    EXPECT_FALSE(isClosed(s.model()));
+    return times;
+  };
+  EXPECT_EQ(tell(0.01), 1);
+  EXPECT_EQ(tell(0.0), 0);
+}
+
 // What the pins pulled on is gone at the end of the step. Their work counts, or the steps would seem to gain energy.
 TEST(Tearing, PinsThatTearASheetHaveDoneTheirWork) {
   for (const solve::IntegratorType type :
