@@ -82,7 +82,11 @@ class ChoiceByError {
         points = next;
       }
     }
-    if (choice_.may_buckle) choice_.sentence += "; it may buckle, so that another run may end elsewhere";
+    if (choice_.may_buckle) {
+      const bool is_tried = trials_.empty() || trials_.back().candidate.points == choice_.points;
+      choice_.sentence +=
+          is_tried ? "; it may buckle, so that another run may end elsewhere" : "; with the points of that trial it may buckle";
+    }
   }
 
  private:
@@ -171,7 +175,7 @@ class ChoiceByError {
                        (choice_.points < n_ ? " simulated, the fewest tried whose" : " simulated, whose") +
                        " expected error over " + formatReal(params_.duration) + " s stays below it (" + sayError() + ")";
     if (choice_.membrane_share < 1.0)
-      choice_.sentence += ", with " + formatReal(choice_.membrane_share) +
+      choice_.sentence += ", with " + formatShort(choice_.membrane_share) +
                           " of the stated membrane stiffness, for which that holds, too (sub-steps are fewer)";
     if (!choice_.why_integrator.empty()) choice_.sentence += "; " + choice_.why_integrator;
     return true;
@@ -240,11 +244,10 @@ class ChoiceByError {
                          formatShort(steps_error) + " m";
       if (!choice_.is_met) choice_.sentence += " over the first " + formatShort(last.until) + " s, where " + trial;
     } else if (is_all && last.candidate.points < n_ && !is_steps_known) {
-      choice_.sentence =
-          asked_ + "all " + std::to_string(n_) +
-          " points simulated; whether they meet it is not known, since no trial of all points was made: the expected "
-          "error was " +
-          sayError() + " after " + formatShort(last.until) + " s, where " + trial;
+      choice_.sentence = asked_ + "all " + std::to_string(n_) + " points simulated; whether they meet it is not known" +
+                         (params_.accuracy.estimate ? " before the run ends" : "") +
+                         ", since no trial of all points was made: the expected error of fewer was " + sayError() + " after " +
+                         formatShort(last.until) + " s, where " + trial;
     } else if (is_all) {
       choice_.sentence = asked_ + "cannot be met for certain even with every point simulated, which is chosen; " +
                          (is_steps_known ? "the error of the steps was estimated at " + formatShort(steps_error) + " m"

@@ -274,7 +274,7 @@ std::string Simulation::Impl::tellTargetKept() {
   if (!(dynamics().time() + 1e-6 * dt >= params.duration)) return "";
   is_target_kept = true;
   return "accuracy.position_error, " + formatReal(target) + " m, was met in all " + std::to_string(dynamics().stepCount()) +
-         " steps: the expected error was at most " + formatShort(error) + " m, and a bound";
+         " steps, which trials could not tell: the expected error was at most " + formatShort(error) + " m, and a bound";
 }
 
 Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {

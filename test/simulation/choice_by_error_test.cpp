@@ -104,9 +104,10 @@ TEST(ChoiceByError, OfAllPointsUntriedSaysWhatIsNotKnownAndInTheEndThatTheTarget
   const simulation::AccuracyChoice& choice = s.accuracyChoice();
   ASSERT_EQ(choice.points, 1600) << choice.sentence;
   EXPECT_FALSE(choice.is_met) << choice.sentence;
-  EXPECT_NE(choice.sentence.find("all 1600 points simulated; whether they meet it is not known, since no trial of all points was "
-                                 "made: the expected error was "),
-            std::string::npos)
+  EXPECT_NE(
+      choice.sentence.find("all 1600 points simulated; whether they meet it is not known before the run ends, since no trial of "
+                           "all points was made: the expected error of fewer was "),
+      std::string::npos)
       << choice.sentence;
   EXPECT_EQ(choice.sentence.find("cannot be met"), std::string::npos) << choice.sentence;
   int times_said = 0;
@@ -118,7 +119,8 @@ TEST(ChoiceByError, OfAllPointsUntriedSaysWhatIsNotKnownAndInTheEndThatTheTarget
     said = notice;
   }
   EXPECT_EQ(times_said, 1);
-  EXPECT_NE(said.find("in all 50 steps: the expected error was at most "), std::string::npos) << said;
+  EXPECT_NE(said.find("in all 50 steps, which trials could not tell: the expected error was at most "), std::string::npos)
+      << said;
 }
 
 TEST(ChoiceByError, TakesAllPointsOfASmallCloudHoweverManyStepsAnEquilibriumIsAskedFor) {
