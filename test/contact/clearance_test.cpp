@@ -333,7 +333,7 @@ TEST(Clearance, LooksWhereNothingCanBeProven) {
   const PairList list(ball.points, ball.triangles, 1e-4);
   Clearance clearance(ball.points, ball.triangles, 1.5e-4);
   constexpr double kSlack = 0.003;
-  clearance.lookInstead(list.patches(), kSlack);
+  clearance.lookInstead(list.patches(), kSlack, false);
   ASSERT_TRUE(clearance.prove(ball.points, still(ball.points.size()), 1.0));
   Points moved = ball.points;
   for (Vec3& x : moved) x += Vec3(0.3, 0.1, 0.0);
