@@ -29,8 +29,9 @@ constexpr Index kOneByOneOfHalf = 6000;                  // points of half a fra
 constexpr int kMaxPrunings = 5;  // passes that drop points which belong to no surface; each can uncover a few more
 constexpr Index kFewOfRim = 6;   // points at the rim of no hole, by chance
 // Of what the points of a cloud cover by their distances: they may have lost area below the first share, and have where more than
-// the second one of them has next to no triangles. Shipped scenes, some 90 scans and meshes, and random clouds have triangles at 96 %
-// of their points or more; clouds in rows, 1.5 to 8 times as far apart as the points along them, that lose area: at 48 % or less.
+// the second one of them has next to no triangles. Shipped scenes, some 90 scans and meshes, and random clouds have triangles at
+// 96 % of their points or more; clouds in rows, 1.5 to 8 times as far apart as the points along them, that lose area: at 48 % or
+// less.
 constexpr double kSuspicious = 0.75, kBare = 0.15;
 constexpr double kNoArea = 0.05;       // of what a point covers
 constexpr Index kAround = 8;           // neighbours that tell it
