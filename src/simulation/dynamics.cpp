@@ -36,6 +36,7 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
       kind_(findModel(params.model)),
       evolution_(kind_.makeEvolution(*model_, *rest_, params_)),
       loads_(*model_, params),
+      burst_(*model_, loads_.pressure),
       system_(*model_, loads_.acting(), held_, params.material.damping, &held_turns_),
       march_(system_, *model_, params_.integrator),
       activity_(params.sleep, rest_->points, findSpacing(rest_->area, rest_->points.size()), params.integrator.time_step, *model_,

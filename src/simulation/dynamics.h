@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "active_part.h"
+#include "burst.h"
 #include "clamp_edges.h"
 #include "cloud_follower.h"
 #include "dynamics_state.h"
@@ -275,6 +276,7 @@ class Dynamics {
   std::vector<tool::ToolParams> tools_;
   std::vector<PointValues> values_;
   LoadSet loads_;
+  Burst burst_;
   Grips grips_;
   std::vector<char> held_, held_turns_;  // pinned, gripped or held by the evolution
   solve::System system_;

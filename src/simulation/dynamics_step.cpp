@@ -116,7 +116,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
 
   beginToolContact(now, dt, outcome);
   evolution_->beginStep(now, tools_, points.positions);
-  system_.setBreaking(evolution_->breaking());
+  system_.setBreaking(burst_.over(evolution_->breaking()));
 
   if (is_static) {
     findLoose(now + dt);

@@ -42,11 +42,6 @@ bool isExplicit(IntegratorType type) {
   return type == IntegratorType::kVerlet || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
 }
 
-// Of loads, J; 0 where nothing breaks. That of pressure ends when a closed surface opens.
-double findBreakablePotential(const System& system, double time, const State& state) {
-  return system.breaking() ? system.loadPotential(time, state) : 0.0;
-}
-
 void add(const SolveReport& part, SolveReport& total) {
   total.finite = part.finite;
   total.converged = total.converged && part.converged;
@@ -201,12 +196,10 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   }
   if (memory_.type != IntegratorType::kVerlet) {
     beginPortion(state);
-    const double potential = findBreakablePotential(system_, time, state);
     const SolveReport report = integrator(memory_.type).advance(system_, time, part, share * memory_.max_substep, state);
     work_ += report.carrying_work ? *report.carrying_work + system_.loadWork(time, time + part, portion_start_, state)
              : memory_.type == IntegratorType::kStatic ? system_.estimateStaticWork(time, time + part, portion_start_, state)
                                                        : system_.estimateWork(time, time + part, portion_start_, state);
-    if (report.has_broken) work_ -= potential - system_.loadPotential(time, portion_start_);
     followBreaks(report);
     return report;
   }
@@ -223,11 +216,10 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     beginPortion(state);
     Integrator& verlet = integrator(IntegratorType::kVerlet);
     verlet.setSlowStep(kSlowShare * share * memory_.max_slow_step, most_inner_);
-    const double from = time + done, potential = findBreakablePotential(system_, from, state);
-    const SolveReport report = verlet.advance(system_, from, portion, share * memory_.max_substep, state);
+    const SolveReport report = verlet.advance(system_, time + done, portion, share * memory_.max_substep, state);
+    const double from = time + done;
     work_ += report.carrying_work ? *report.carrying_work + system_.loadWork(from, from + portion, portion_start_, state)
                                   : system_.estimateWork(from, from + portion, portion_start_, state);
-    if (report.has_broken) work_ -= potential - system_.loadPotential(from, portion_start_);
     dissipated_ += report.dissipated;
     followBreaks(report);
     add(report, total);
@@ -257,9 +249,7 @@ SolveReport TimeMarch::takeImplicitParts(double time, Index parts, State& state)
     beginPortion(state);
     SolveReport report = integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state);
     work_ += *report.carrying_work + system_.loadWork(from, from + part, portion_start_, state);
-    const double potential = findBreakablePotential(system_, from + part, state);
     if (report.finite) report.breakStretched(system_, state);
-    if (report.has_broken) work_ -= potential - system_.loadPotential(from + part, state);
     followBreaks(report);
     add(report, total);
   }
