@@ -180,6 +180,7 @@ TEST(ParticleLife, ParticlesTooFarApartForBondsAreAWarningUnlessASurfaceIsGrown)
     simulation::SceneParams p = particleSheet();
     p.pins.clear();
     p.simplification.method = cloud::SimplificationMethod::kNone;
+    p.oriented_particles.rest_shape = model::RestShape::kFlat;
     p.oriented_particles.spacing = 0.05;
     p.oriented_particles.grow_surface = grows;
     const simulation::Simulation s(p, sheetCloud(8));
