@@ -129,15 +129,14 @@ QuickLook::QuickLook(const Points& rest, const std::vector<Triangle>& triangles,
       boxes_(boundVertices(patches, rest)),
       tree_(boxes_) {
   listFolds(rest);
+  of_one_.reserve(Patches::kMostVertices);
+  of_other_.reserve(Patches::kMostVertices);
   std::vector<Edge> pairs = listAlong(rest, edges_, reach_);
-  setNeighbours(pairs);
   if (is_body) {
     const std::vector<Edge> opposite = listOpposite(rest);
     pairs.insert(pairs.end(), opposite.begin(), opposite.end());
-    setNeighbours(pairs);
   }
-  of_one_.reserve(Patches::kMostVertices);
-  of_other_.reserve(Patches::kMostVertices);
+  setNeighbours(pairs);
 }
 
 void QuickLook::listFolds(const Points& rest) {
@@ -171,15 +170,14 @@ void QuickLook::setNeighbours(const std::vector<Edge>& pairs) {
     const Index one = patch_of[i], other = patch_of[j];
     if (one >= 0 && one <= other) by_couple[{one, other}][place[i]] |= std::uint32_t{1} << place[j];
   }
-  couples_.clear();
-  neighbours_.clear();
   for (const auto& [couple, neighbours] : by_couple) {
     couples_.push_back(couple);
     neighbours_.push_back(neighbours);
   }
 }
 
-// Pairs of near points, either first, between which a body is, rather than room: it is in the way of their contact.
+// Pairs of near points, either first, between which a body is, rather than room: it is in the way of their contact. Called before
+// there are neighbours, it lists some of these, too.
 std::vector<Edge> QuickLook::listOpposite(const Points& rest) {
   Points normals(rest.size(), Vec3::Zero());
   double volume = 0.0;  // times six

@@ -79,7 +79,7 @@ void Dynamics::makeSelfContact(Made made) {
     make();
     if (!isClear()) {
       why_no_self_contact_ =
-          "at rest parts are near each other for the spacing of their points and the thickness of contact, one near " +
+          "parts are near each other at rest, within about two spacings of their points or more if contact is thick, as at " +
           formatPlace(loads_.self_contact->contact.placeSeen()) + " m";
       skin_without_contact_ = loads_.self_contact->skin();
       loads_.self_contact.reset();
