@@ -1,5 +1,5 @@
 // Distances along the surface: shortest paths over a graph of the points in which jumps through space are expensive. Rings,
-// simplification, transfer and models that weigh links use it to tell points that belong together from points that are near.
+// simplification, transfer and models that weigh links use it: points that are near in space need not belong together.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"
@@ -64,7 +64,7 @@ constexpr double kKeptWay = 2.0;
 /// Weight of every pair in links, as listed: for models that weigh their links. Parallel; O(n k log k).
 std::vector<double> geodesicWeights(const GeodesicGraph& graph, const Points& positions, const Lists& links);
 
-/// Neighbours along the surface, and how clearly they were told from other points.
+/// Neighbours along the surface, and how clearly they are separated from other points.
 struct GeodesicNeighbors {
   Lists lists;                   // (n) nearest first, by Euclidean distance; as many as before if the surface has as many
   std::vector<char> is_changed;  // (n) false: the list is as it was

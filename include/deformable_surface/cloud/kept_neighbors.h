@@ -11,8 +11,8 @@ namespace deformable_surface::cloud {
 /// All points within a radius of each, where all points move.
 class KeptNeighborhoods {
  public:
-  /// m, both above 0. Candidates are looked for up to radius + skin: with a wide skin they are many, with a narrow one they are
-  /// soon found anew.
+  /// m, both above 0. Candidates are looked for up to radius + skin: with a wide skin they are many, with a narrow one they must
+  /// be searched again soon.
   KeptNeighborhoods(double radius, double skin);
 
   /// Takes the places of the points, (n x 3); InputError if one is not finite. O(n), and a new tree if more than a few have moved

@@ -61,7 +61,7 @@ class PairList {
   /// been set free push each other at the whole thickness. Returns whether anything has changed. O(n log n).
   bool findCrossed(const Points& positions);
 
-  /// Whether no pair is within reach at `positions`, for paths from there to `next`: true only if that is quick to tell. Those
+  /// Whether no pair is within reach at `positions`, for paths from there to `next`: true only if that is found quickly. Those
   /// that the cover holds do not count; it must be that of the last update().
   bool areFar(const Points& positions, const Points& next, const Reach& reach, const Cover* cover = nullptr) const;
   /// Upper bound of the difference of the displacements, m, of any two points of a patch.

@@ -1,7 +1,7 @@
 // Contact of a surface with itself: repulsion of near parts, and a limit of motion that prevents interpenetration.
 //
 // Triangles have a thickness. Springs push nearer parts apart. A limit on the motion of each point in a step ensures that no two
-// parts cross, at any speed. After [Chen 2025] (bounds in place of root finding), with half-spaces in place of their balls: a
+// parts cross, at any speed. After [Chen 2025] (bounds instead of root finding), with half-spaces instead of their balls: a
 // ball locks points at the least distance.
 #pragma once
 
@@ -72,7 +72,7 @@ class SelfContact {
   std::shared_ptr<const ClearMotion> proven() const { return clearance_.proven(); }
   void setProven(std::shared_ptr<const ClearMotion> proven) { clearance_.setProven(std::move(proven)); }
   /// Whether no two parts cross on straight paths from before to after, (n x 3) m, nor are nearer than their thickness at the
-  /// end. False also where 64 pieces of the paths do not tell, as for paths of hundreds of spacings.
+  /// end. False also where 64 pieces of the paths do not decide it, as for paths of hundreds of spacings.
   bool staysApart(const Points& before, const Points& after);
 
   /// Adds the springs' forces, N.

@@ -138,7 +138,7 @@ class NamedForces : public solve::ExternalLoad {
   }
 
   /// To be called at the beginning of a step: forces that begin take their points, forces that end are removed. The notice
-  /// tells users of forces that begin badly: the points are far from where the force was put, or all pinned,
+  /// reports forces that begin badly: the points are far from where the force was put, or all pinned,
   /// or a part of it is dropped. It is given once, until a force of the same id begins well.
   struct Update {
     bool changed = false;  // any began or left

@@ -24,7 +24,7 @@ struct StepOutcome {
   bool ok = true;
   std::string problem;        // one sentence: which quantity, at which point, at which time
   std::string notice;         // for the user of a step that succeeded (auto chose another integrator, a force begins where it
-                              // cannot act as meant); else empty. What lasts is told in its first step and after its last one
+                              // cannot act as meant); else empty. What lasts is reported in its first and after its last step
   bool has_converged = true;  // implicit and static steps: the forces were balanced
   bool was_retried = false;   // the step was not sound at first
 };
@@ -75,8 +75,8 @@ class Simulation {
   /// Once this is true, a running step ends soon, between two evaluations of the forces or within one, as a failed step:
   /// everything is as before it. Null = never. It must outlive the simulation; forks have none.
   void setInterrupt(const std::atomic<bool>* interrupt);
-  /// Of what notices told to begin, and not yet to end, since the last reset: in how many steps it was so. Empty: nothing. For
-  /// the end of a run.
+  /// The lasting conditions whose beginning a notice has reported since the last reset, but not yet their end, with the number of
+  /// steps of each. Empty: none. For the end of a run.
   std::string lastingNotices() const;
   double time() const;  // s since rest
   std::uint64_t stepCount() const;
@@ -88,7 +88,7 @@ class Simulation {
 
   Snapshot snapshot() const;
   /// Back to the state of the snapshot. Throws InputError, and changes nothing, if it is not of this surface in this scene (a new
-  /// cloud, material or way to step; a simulation made anew from the same cloud and scene counts as the same).
+  /// cloud, material or way to step; a simulation built again from the same cloud and scene counts as the same).
   void restore(const Snapshot& snapshot);
   /// Another simulation in the state of this one. It continues as this one would, bit for bit, and takes commands of its own.
   /// They share the cloud and everything made from it at rest: a fork costs almost nothing compared with building one. Another
@@ -103,10 +103,10 @@ class Simulation {
   Snapshot sight() const;
 
   /// Sets positions and velocities of the simulation points, pinned ones included; time and loads stay. In a solid that flows it
-  /// also sets the plastic flow, unless the state leaves it empty; orientations and traits stay. The energy account begins anew.
-  /// So does the error estimate, at zero for the given state. Throws InputError, and changes
-  /// nothing, on another number of points, on values that are not finite or beyond any surface's (more than kMaxLength, a third
-  /// of the speed of light), on a velocity of a pinned point, and on impossible plastic flow.
+  /// also sets the plastic flow, unless the state leaves it empty; orientations and traits stay. The energy account starts
+  /// again, and so does the error estimate, at zero for the given state. Throws InputError, and changes nothing, on another
+  /// number of points, on values that are not finite or beyond any surface's (more than kMaxLength, a third of the speed of
+  /// light), on a velocity of a pinned point, and on impossible plastic flow.
   void setState(const model::State& state);
 
   // Commands. They take effect at the next step. Each throws InputError, and changes nothing, on values that are not finite or
@@ -182,7 +182,7 @@ class Simulation {
   const Surface& surface(bool with_normals);
   Statistics statistics() const;
   /// J, by which kinetic, elastic and load energy have grown since their lowest sum beyond the work put in: the method's own
-  /// oscillation, if nothing makes energy. The account begins anew with each command and when contact sets in or ends.
+  /// oscillation, if nothing creates energy. The account starts again with each command and when contact sets in or ends.
   double energyExcess() const;
   std::uint64_t stateHash() const;
 

@@ -1,4 +1,4 @@
-// Whether a tracked surface is lost: the last cloud shows few of the points that clouds have shown before. The simulation tells
+// Whether a tracked surface is lost: the last cloud shows few of the points that clouds have shown before. The simulation reports
 // it in notices, and the node in its diagnostics.
 #pragma once
 

@@ -25,7 +25,7 @@ class EnergyGuard {
     bool kick_needed = true;
   };
 
-  /// Forgets everything. The account begins anew with the next state.
+  /// Forgets everything. The account starts again with the next state.
   void restart() {
     Points scratch = std::move(forces_);  // so that a restart in every step allocates nothing
     *this = EnergyGuard();

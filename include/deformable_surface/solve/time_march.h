@@ -55,7 +55,7 @@ class TimeMarch {
   void restart();
   /// Estimates the stable step of a state from which no step is taken yet.
   void prepare(double time, const State& state);
-  /// Another march over the same forces (of a part) has advanced the state: the energy account begins anew. The estimated stable
+  /// Another march over the same forces (of a part) has advanced the state: the energy account starts again. The estimated stable
   /// step stays valid as long as it would have.
   void resume();
   /// As restart(), but only for forces and energy, after plastic flow: the account goes on.

@@ -1,4 +1,4 @@
-// Whether lists of neighbours still hold every near pair: a tree of boxes, which tells it without looking at all pairs.
+// Whether lists of neighbours still hold every near pair, found by a tree of boxes without looking at all pairs.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -22,7 +22,7 @@ class ApproachTree {
     bool is_listed_by_distance;  // else only the skin counts
   };
   /// then, now: (n). Whether every pair nearer than the radius now was within reach then. False also once the calls since renew()
-  /// have taken about as long as making the lists anew: it is faster while they are new. Boxes in parallel; allocates nothing
+  /// have taken about as long as making new lists: it is fast only while the lists are new. Boxes in parallel; allocates nothing
   /// after the first call.
   ///
   /// Once displacements have made it slow, it looks whether every pair nearer than radius and half of the skin is listed. If so,

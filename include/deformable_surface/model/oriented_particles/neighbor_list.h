@@ -12,8 +12,8 @@
 namespace deformable_surface::model {
 
 /// Lists of all others within a radius plus a skin [Verlet 1967], rebuilt only when two particles have come within the radius
-/// that were out of reach, or when this would be as costly to tell. Cells are sorted by a hash of their place [Teschner 2003], so
-/// that empty space costs nothing however far particles fly.
+/// that were out of reach, or when finding this out would cost as much. Cells are sorted by a hash of their place [Teschner
+/// 2003], so that empty space costs nothing however far particles fly.
 class NeighborList {
  public:
   /// Particles with more neighbours than this are refused: such a heap of particles is no surface.

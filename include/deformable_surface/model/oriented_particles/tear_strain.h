@@ -1,4 +1,4 @@
-// The largest strain that bonds of particles can be told to break at. Scenes are checked by it before there is a lattice.
+// The largest strain that can be set for bonds of particles to break at. Scenes are checked by it before there is a lattice.
 #pragma once
 
 #include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
