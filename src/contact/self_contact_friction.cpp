@@ -39,6 +39,17 @@ void SelfContact::addFriction(const Points& positions, const Points& velocities,
   }
 }
 
+void SelfContact::addFrictionAtRest(const Points& positions, const std::vector<PairAnchor>& anchors, Points& forces) {
+  if (anchors.empty()) return;
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    if (!rub.anchor) continue;
+    const Vec3 force = rub.law.findForce(rub.stretch, Vec3::Zero(), rub.slid);
+    for (int v = 0; v < 4; ++v) forces[near.pair.vertices[v]] += near.closest.weight[v] * force;
+  }
+}
+
 // Of the pairs with a place at which they stick: nothing is searched, which would be costly for positions of another time.
 double SelfContact::frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors) {
   double sum = 0.0;
@@ -60,7 +71,7 @@ void SelfContact::addFrictionStiffness(const Points& positions, const Points& ve
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     const double share = rub.law.findShare(rub.stretch, findSliding(near, velocities), rub.slid);
-    const double along = share * ((rub.anchor ? rub.law.stiffness : 0.0) + rub.law.damping / step);
+    const double along = share * ((rub.anchor ? rub.law.stiffness : 0.0) + (step > 0.0 ? rub.law.damping / step : 0.0));
     addToMatrix(near, along * (Mat3::Identity() - rub.normal * rub.normal.transpose()), stiffness_matrix);
   }
 }

@@ -175,16 +175,20 @@ void SelfContact::addStiffness(const Points& positions, const Points& velocities
   }
 }
 
-void SelfContact::addRowBounds(const Points& positions, std::vector<double>& stiffness_bounds, std::vector<double>& damping) {
+// The absolute weights of a pair sum to two.
+void SelfContact::addStiffnessBounds(const Points& positions, std::vector<double>& bounds) {
   for (const Near& near : measure(positions, 0.0)) {
-    const Pair& pair = near.pair;
     if (!touches(near)) continue;
-    // The absolute weights sum to two.
-    for (int v = 0; v < 4; ++v) {
-      const double twice = 2.0 * std::abs(near.closest.weight[v]);
-      stiffness_bounds[pair.vertices[v]] += twice * findSpring(near).stiffness;
-      damping[pair.vertices[v]] += 2.0 * params_.damping / near.rate * twice * stiffness(pair);
-    }
+    for (int v = 0; v < 4; ++v)
+      bounds[near.pair.vertices[v]] += 2.0 * std::abs(near.closest.weight[v]) * findSpring(near).stiffness;
+  }
+}
+
+void SelfContact::addDampingBounds(const Points& positions, std::vector<double>& bounds) {
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const double full = 2.0 * params_.damping / near.rate * stiffness(near.pair);
+    for (int v = 0; v < 4; ++v) bounds[near.pair.vertices[v]] += 2.0 * std::abs(near.closest.weight[v]) * full;
   }
 }
 

@@ -41,18 +41,20 @@ FrictionLoad::Rubbing FrictionLoad::beginRubbing(const tool::ToolParams& tool, d
           tool::findMotion(tool.path, time)};
 }
 
-FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const BodyAnchor* anchor, const model::State& state,
-                                        const ContactLoad::Touch& touch) const {
-  const Vec3& x = touch.position;
+FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const BodyAnchor* anchor, const ContactLoad::Touch& touch) const {
   const double rate = contact_.rate(), pressing = touch.force.norm(), full = contact_.points().massOf(touch.point) * rate * rate;
   const double spring = touch.softness < 1.0 ? std::min(full, touch.stiffness) : full;
-  const Vec3 moved = anchor ? Vec3(x - body.pose.position - body.pose.orientation * anchor->place) : Vec3::Zero();
+  const Vec3 moved = anchor ? Vec3(touch.position - body.pose.position - body.pose.orientation * anchor->place) : Vec3::Zero();
   return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing, spring,
            2.0 * ContactDamping::kShare * std::sqrt(spring / full) * contact_.points().dampedMassOf(touch.point) * rate},
           alongSurface(moved, touch.normal),
-          alongSurface(contact_.points().findVelocity(touch.point, state.velocities) - body.motion.velocityAt(x), touch.normal),
           anchor != nullptr,
           anchor ? anchor->slid : 0.0};
+}
+
+Vec3 FrictionLoad::findSliding(const Rubbing& body, const model::State& state, const ContactLoad::Touch& touch) const {
+  return alongSurface(contact_.points().findVelocity(touch.point, state.velocities) - body.motion.velocityAt(touch.position),
+                      touch.normal);
 }
 
 Vec3 FrictionLoad::findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const {
@@ -60,7 +62,7 @@ Vec3 FrictionLoad::findForce(std::size_t body, double time, const model::State& 
   if (!tool::hasFriction(tool)) return Vec3::Zero();
   const Rubbing rubbing = beginRubbing(tool, time);
   const auto at = findFrom(state.friction, rubbing.key, touch.point);
-  return findRub(rubbing, match(state.friction, at, rubbing.key, touch.point), state, touch).force();
+  return findForce(rubbing, state, touch, findRub(rubbing, match(state.friction, at, rubbing.key, touch.point), touch));
 }
 
 // The touches of a body are ascending, as are the anchors.
@@ -73,17 +75,39 @@ void FrictionLoad::forEachRub(double time, const model::State& state, const Visi
     at = findFrom(anchors, body.key, 0);
     return body;
   };
+  const bool is_known = isKnown(time, state);
+  auto known = rubs_.begin();
   contact_.forEachRubbingTouch(time, state, begin, [&](const Rubbing& body, const ContactLoad::Touch& touch) {
+    if (is_known) {
+      visit(body, touch, *known++);
+      return;
+    }
     while (at != anchors.end() && at->isBefore(body.key, touch.point)) ++at;
-    visit(body, touch, findRub(body, match(anchors, at, body.key, touch.point), state, touch));
+    visit(body, touch, findRub(body, match(anchors, at, body.key, touch.point), touch));
   });
 }
 
 void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
-  forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch& touch, const Rub& rub) {
-    contact_.points().addForce(touch.point, state.positions, rub.force(), forces);
+  forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
+    contact_.points().addForce(touch.point, state.positions, findForce(body, state, touch, rub), forces);
   });
+  contact_.addSeconds(timer.seconds());
+}
+
+void FrictionLoad::addForcesAtRest(double time, const model::State& state, Points& forces) const {
+  const Timer timer;
+  known_positions_ = nullptr;
+  rubs_.clear();
+  rubs_.reserve(contact_.all().size() * contact_.points().size());
+  forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch& touch, const Rub& rub) {
+    rubs_.push_back(rub);
+    if (rub.has_spring)
+      contact_.points().addForce(touch.point, state.positions, rub.law.findForce(rub.stretch, Vec3::Zero(), rub.slid), forces);
+  });
+  known_positions_ = state.positions.data();
+  known_friction_ = state.friction.data();
+  known_time_ = time;
   contact_.addSeconds(timer.seconds());
 }
 
@@ -106,20 +130,27 @@ double FrictionLoad::estimateWork(double from, double to, const model::State& be
 double FrictionLoad::drivingPower(double time, double, const model::State& state) const {
   double power = 0.0;
   forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
-    power += rub.force().dot(body.motion.velocityAt(touch.position));
+    power += findForce(body, state, touch, rub).dot(body.motion.velocityAt(touch.position));
   });
   return power;
 }
 
 void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
-  forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch& touch, const Rub& rub) {
+  forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
     const double spring = rub.has_spring ? rub.law.stiffness : 0.0;
-    const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slid);
+    const double share = rub.law.findShare(rub.stretch, findSliding(body, state, touch), rub.slid);
     contact_.points().addStiffness(
         touch.point, share * (spring + rub.law.damping / step) * (Mat3::Identity() - touch.normal * touch.normal.transpose()),
         stiffness);
   });
+}
+
+void FrictionLoad::addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
+                                std::vector<double>&) const {
+  if (isEmpty()) return;
+  const double per_mass = contact_.rate() * contact_.rate();
+  contact_.forEachNearDamped(time, state, [&](Index i) { stiffness[i] += per_mass * contact_.points().massOf(i); });
 }
 
 void FrictionLoad::remember(double time, double step, model::State& state) const {
@@ -127,7 +158,7 @@ void FrictionLoad::remember(double time, double step, model::State& state) const
   next_.reserve(contact_.all().size() * contact_.points().size());
   forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
     Vec3 stretch = rub.stretch;
-    const double slid = rub.law.slide(stretch, rub.sliding, rub.slid, rub.has_spring ? step : 0.0);
+    const double slid = rub.law.slide(stretch, findSliding(body, state, touch), rub.slid, rub.has_spring ? step : 0.0);
     const Vec3 place = body.pose.orientation.conjugate() * (touch.position - stretch - body.pose.position);
     next_.push_back({body.key, touch.point, place, slid});
   });
@@ -135,6 +166,7 @@ void FrictionLoad::remember(double time, double step, model::State& state) const
   const auto isBefore = [](const BodyAnchor& a, const BodyAnchor& b) { return a.isBefore(b.body, b.point); };
   if (!std::is_sorted(next_.begin(), next_.end(), isBefore)) std::sort(next_.begin(), next_.end(), isBefore);
   state.friction = next_;
+  known_positions_ = nullptr;
 }
 
 void renumberFriction(const std::vector<Index>& new_index, std::vector<BodyAnchor>& friction) {

@@ -33,16 +33,15 @@ class SelfContactLoad : public solve::ExternalLoad {
   void addStiffness(double, const model::State& state, double step, BlockSparse& stiffness) const override {
     contact_.addStiffness(state.positions, state.velocities, step, stiffness);
   }
-  void addRowBounds(double, const model::State& state, std::vector<double>& stiffness,
-                    std::vector<double>& damping) const override {
-    contact_.addRowBounds(state.positions, stiffness, damping);
+  void addRowBounds(double, const model::State& state, std::vector<double>& stiffness, std::vector<double>&) const override {
+    contact_.addStiffnessBounds(state.positions, stiffness);
   }
 
  private:
   contact::SelfContact& contact_;
 };
 
-/// The damping of these springs. Its stiffness and bounds are those of SelfContactLoad, which acts whenever this one does.
+/// The damping of these springs. Its stiffness is that of SelfContactLoad, which acts whenever this one does.
 class SelfContactDamping : public solve::ExternalLoad {
  public:
   explicit SelfContactDamping(contact::SelfContact& contact) : contact_(contact) {}
@@ -50,13 +49,18 @@ class SelfContactDamping : public solve::ExternalLoad {
   void addForces(double, const model::State& state, Points& forces) const override {
     contact_.addDampingForces(state.positions, state.velocities, forces);
   }
+  bool isSplitOff() const override { return true; }
   double estimateWork(double, double, const model::State&, const model::State&) const override { return 0.0; }
+  void addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const override {
+    contact_.addDampingBounds(state.positions, damping);
+  }
 
  private:
   contact::SelfContact& contact_;
 };
 
-/// Friction between parts. Dissipative, except for the energy that its springs return.
+/// Friction between parts. Dissipative, except for the energy that its springs return. Its damping has the bounds of
+/// SelfContactDamping.
 class SelfFriction : public solve::ExternalLoad {
  public:
   explicit SelfFriction(contact::SelfContact& contact) : contact_(contact) {}
@@ -64,12 +68,16 @@ class SelfFriction : public solve::ExternalLoad {
   void addForces(double, const model::State& state, Points& forces) const override {
     contact_.addFriction(state.positions, state.velocities, state.self_friction, forces);
   }
+  bool isSplitOff() const override { return true; }
+  void addForcesAtRest(double, const model::State& state, Points& forces) const override {
+    contact_.addFrictionAtRest(state.positions, state.self_friction, forces);
+  }
   double estimateWork(double, double, const model::State& before, const model::State& after) const override {
     return std::max(0.0, contact_.frictionEnergy(before.positions, before.self_friction) -
                              contact_.frictionEnergy(after.positions, after.self_friction));
   }
   void addStiffness(double, const model::State& state, double step, BlockSparse& stiffness) const override {
-    if (step > 0.0) contact_.addFrictionStiffness(state.positions, state.velocities, state.self_friction, step, stiffness);
+    contact_.addFrictionStiffness(state.positions, state.velocities, state.self_friction, step, stiffness);
   }
   void remember(double, double step, model::State& state) const override {
     contact_.moveAnchors(state.positions, state.velocities, step, state.self_friction);
@@ -94,6 +102,7 @@ class Untangling : public solve::ExternalLoad {
   void addForces(double, const model::State& state, Points& forces) const override {
     contact_.addPushes(state.velocities, forces);
   }
+  bool isSplitOff() const override { return true; }
   double estimateWork(double, double, const model::State& before, const model::State& after) const override {
     return contact_.workOfPushes(before.positions, after.positions);
   }

@@ -10,14 +10,18 @@ void findCarried(const System& system, const State& state, std::vector<CarriedPo
 }
 
 double addLoads(const System& system, double time, const State& state, std::vector<CarriedPoint>& carried, Points& forces) {
-  double work = 0.0;
   if (carried.empty()) {
     system.addLoads(time, state, forces);
-    return work;
+    return 0.0;
   }
   system.addLoadsOnAll(time, state, forces);
-  for (CarriedPoint& c : carried) work += c.work.moveTo(state.positions[c.point], forces[c.point]);
-  for (Index i = 0; i < state.size(); ++i)
+  return bear(system, state.positions, carried, forces);
+}
+
+double bear(const System& system, const Points& positions, std::vector<CarriedPoint>& carried, Points& forces) {
+  double work = 0.0;
+  for (CarriedPoint& c : carried) work += c.work.moveTo(positions[c.point], forces[c.point]);
+  for (Index i = 0; i < system.size(); ++i)
     if (system.isHeld(i)) forces[i].setZero();
   return work;
 }

@@ -32,5 +32,7 @@ void findCarried(const System& system, const State& state, std::vector<CarriedPo
 /// Adds the loads to the forces, which end as zero on held points. Returns the work of what carries points since the last call,
 /// J.
 double addLoads(const System& system, double time, const State& state, std::vector<CarriedPoint>& carried, Points& forces);
+/// The end of it: forces with all loads, on held points too, which are at positions, m.
+double bear(const System& system, const Points& positions, std::vector<CarriedPoint>& carried, Points& forces);
 
 }  // namespace deformable_surface::solve

@@ -1,5 +1,6 @@
 #include "explicit_integrators.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/simd.h"
 #include "deformable_surface/base/timer.h"
@@ -184,6 +185,12 @@ DEFORMABLE_SURFACE_WIDE void addScaled(Index size, const double* force, double s
   for (Index k = 0; k < size; ++k) sum[k] = force[k] + scale * slow[k];
 }
 
+DEFORMABLE_SURFACE_WIDE void predict(Index size, double decay, const double* kick, const double* force, double scale,
+                                     const double* slow, const double* velocity, double* predicted) {
+#pragma GCC ivdep
+  for (Index k = 0; k < size; ++k) predicted[k] = decay * (velocity[k] + kick[k] * (force[k] + scale * slow[k]));
+}
+
 bool isSame(const Points& a, const Points& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
 }
@@ -309,10 +316,11 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       report.has_broken = true;
       report.released += reached.released;
     }
-    carrying_work_ += addLoads(system, time + (s + 1) * dt, predicted_, carried_, forces_);
+    if (ends) system.computeSlowForces(predicted_, slow_forces_);
+    addAllLoads(system, time + (s + 1) * dt, ends ? cut.inner : 0, half_decay, state, stopped);
+    endIfInterrupted();
     system.remember(time + (s + 1) * dt, dt, predicted_);
     if (ends) {
-      system.computeSlowForces(predicted_, slow_forces_);
       bearSlow(predicted_.positions);
       addSlow(cut.inner);
     }
@@ -337,6 +345,31 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   last_positions_ = state.positions;
   report.finite = allFinite(state);
   return report;
+}
+
+// Adds the loads to the other fast forces at the predicted state. inner: what the slow forces are taken times, 0: they do not
+// act. state: its velocities are those of the drift; stopped: the points that keep them.
+void VelocityVerlet::addAllLoads(const System& system, double time, Index inner, double decay, const State& state,
+                                 const std::vector<Index>* stopped) {
+  if (!system.hasSplitLoads()) {
+    carrying_work_ += addLoads(system, time, predicted_, carried_, forces_);
+    return;
+  }
+  system.addLoadsOnAll(time, predicted_, System::Loads::kOthers, forces_);
+  at_rest_ = forces_;
+  system.addSplitLoadsAtRest(time, predicted_, at_rest_);
+  const double *const force = at_rest_.data()->data(), *const slow = (inner > 0 ? slow_forces_ : forces_).data()->data(),
+                      *const velocity = state.velocities.data()->data();
+  double* const predicted = predicted_.velocities.data()->data();
+  parallelFor(3 * static_cast<Index>(forces_.size()), kBlock, [&](Index begin, Index end) {
+    predict(end - begin, decay, &kick_[begin], force + begin, inner, slow + begin, velocity + begin, predicted + begin);
+  });
+  if (stopped)
+    for (const Index i : *stopped)
+      if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
+  for (const CarriedPoint& c : carried_) predicted_.velocities[c.point] = c.velocity;
+  system.addLoadsOnAll(time, predicted_, System::Loads::kSplitOff, forces_);
+  carrying_work_ += bear(system, predicted_.positions, carried_, forces_);
 }
 
 // Stops points short after a drift from before_. Returns those that were stopped. force (3 n) N: of the kick before the drift.

@@ -32,6 +32,14 @@ class SymplecticEuler : public Integrator {
 
 /// Half kick, drift, half kick. Second order, no drift of energy, exact in free fall. Forces that depend on velocity are
 /// taken at predicted velocities, which keeps the order; damping by mass is applied exactly, half before and half after.
+///
+/// Loads that damp contact (ExternalLoad::isSplitOff()) are split off: with F all forces at the end of a sub-step but those of
+/// their dampers, they take the velocities u = v + F dt / (2 m). With dampers C a kick is then one without them after u' = (1 -
+/// dt C / m) u. Verlet without them keeps a quadratic energy of linear systems for steps below 2 / w. This map reduces it for dt
+/// c < 2, with c the largest eigenvalue of C / m. So dampers do not shorten the stable step before that. Velocities predicted
+/// with the forces of the sub-step before would shorten it by the factor of StableStep::estimate(). The damping is of first order
+/// in dt c.
+///
 /// Slow forces may act in kicks at the ends of outer steps of several sub-steps (the impulse method r-RESPA [Tuckerman 1992]): it
 /// is symmetric, so the order stays, and symplectic.
 class VelocityVerlet : public Integrator {
@@ -49,6 +57,8 @@ class VelocityVerlet : public Integrator {
   void beginForces(const System& system, double time, Index inner, const State& state);
   void bearSlow(const Points& positions);
   void addSlow(Index inner);
+  void addAllLoads(const System& system, double time, Index inner, double decay, const State& state,
+                   const std::vector<Index>* stopped);
   const std::vector<Index>& limitMotion(const System& system, const MotionLimit& limit, double dt, double half_decay,
                                         bool is_first, const double* force, State& state);
   /// Returns whether there was enough to take it from.
@@ -59,6 +69,7 @@ class VelocityVerlet : public Integrator {
   Index most_inner_ = 1;
   Points fast_forces_, slow_forces_, last_positions_;  // the forces belong to last_positions_ between steps
   Points forces_, forces_with_slow_;                   // loads included
+  Points at_rest_;                                     // the same, but of loads that are split off as if nothing moved
   State predicted_;
   std::vector<CarriedPoint> carried_;
   double carrying_work_ = 0.0;  // J, of what carries them in the step

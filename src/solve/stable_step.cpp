@@ -25,12 +25,20 @@ double limit(double w, double rate) {
 
 }  // namespace
 
-double StableStep::estimate(double time, const State& state, const System& system) {
+double StableStep::findLimit(double squared_frequency, double time, const State& state, const System& system, bool splits) const {
+  using Loads = System::Loads;
+  const double with_damping =
+      limit(std::sqrt(squared_frequency), system.dampingRate(time, state, splits ? Loads::kOthers : Loads::kAll));
+  if (!splits || !system.hasSplitLoads()) return with_damping;
+  return std::min(with_damping, limit(0.0, system.boundSplitLoads(time, state).damping));
+}
+
+double StableStep::estimate(double time, const State& state, const System& system, bool splits) {
   slow_rate_ = system.boundSlowRate(state);
   const double known = system.findStableStep(state);
-  if (known > 0.0)
-    return limit(std::sqrt(4.0 / (known * known) + system.loadStiffness(time, state)), system.dampingRate(time, state));
-  if (!system.hasStiffnessMatrix()) return limit(std::sqrt(system.boundStiffness(time, state)), system.dampingRate(time, state));
+  // Row bounds of contact springs hold for those of friction, too, which act in other directions.
+  if (known > 0.0) return findLimit(4.0 / (known * known) + system.loadStiffness(time, state), time, state, system, splits);
+  if (!system.hasStiffnessMatrix()) return findLimit(system.boundStiffness(time, state), time, state, system, splits);
   const Index n = system.size();
   const std::vector<double>& masses = system.masses();
   scale_.resize(3 * n);
@@ -57,7 +65,8 @@ double StableStep::estimate(double time, const State& state, const System& syste
   const double coefficient = system.rankOneStiffness(state, rank_one_);
   if (coefficient > 0.0)
     for (Index i = 0; i < n; ++i) eigenvalue += coefficient * rank_one_[i].squaredNorm() / system.masses()[i];
-  return limit(std::sqrt(eigenvalue), system.dampingRate(time, state));
+  if (splits && system.hasSplitLoads()) eigenvalue += system.boundSplitLoads(time, state).stiffness;
+  return findLimit(eigenvalue, time, state, system, splits);
 }
 
 // Slow forces couple many more points than the others: they are most of the work, and on a thin surface they do not matter. Loads

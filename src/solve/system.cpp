@@ -95,6 +95,22 @@ void System::addLoadsOnAll(double time, const State& state, Points& forces) cons
   confine(forces);
 }
 
+void System::addLoadsOnAll(double time, const State& state, Loads which, Points& forces) const {
+  for (const ExternalLoad* load : loads_)
+    if (isAmong(*load, which)) load->addForces(time, state, forces);
+  confine(forces);
+}
+
+bool System::hasSplitLoads() const {
+  return std::any_of(loads_.begin(), loads_.end(), [](const ExternalLoad* load) { return load->isSplitOff(); });
+}
+
+void System::addSplitLoadsAtRest(double time, const State& state, Points& forces) const {
+  for (const ExternalLoad* load : loads_)
+    if (load->isSplitOff()) load->addForcesAtRest(time, state, forces);
+  confine(forces);
+}
+
 void System::addLoads(double time, const State& state, Points& forces) const {
   addLoadsOnAll(time, state, forces);
   parallelFor(static_cast<Index>(forces.size()), kBlock, [&](Index begin, Index end) {
@@ -288,12 +304,12 @@ double System::computeForcesAndLargest(double time, const State& state, Points& 
   return std::sqrt(squared);
 }
 
-void System::computeRowBounds(double time, const State& state) const {
+void System::computeRowBounds(double time, const State& state, Loads which) const {
   endIfInterrupted();
   row_stiffness_.assign(size(), 0.0);
   row_damping_.assign(size(), 0.0);
   model_.addRowBounds(state, row_stiffness_, row_damping_);
-  for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+  addLoadBounds(time, state, which);
 }
 
 // A point near the origin is linked to others that are farther from it.
@@ -321,28 +337,38 @@ double System::largestRow(const std::vector<double>& bounds) const {
   return largest;
 }
 
-double System::dampingRate(double time, const State& state) const {
+double System::dampingRate(double time, const State& state, Loads which) const {
   // Without forces that read velocities only loads damp, and the bounds of the model's stiffness are not asked for.
   if (model_.forcesReadVelocities())
-    computeRowBounds(time, state);
+    computeRowBounds(time, state, which);
   else
-    computeLoadBounds(time, state);
+    computeLoadBounds(time, state, which);
   return largestRow(row_damping_);
 }
 
-void System::computeLoadBounds(double time, const State& state) const {
+void System::computeLoadBounds(double time, const State& state, Loads which) const {
   row_stiffness_.assign(size(), 0.0);
   row_damping_.assign(size(), 0.0);
-  for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+  addLoadBounds(time, state, which);
+}
+
+void System::addLoadBounds(double time, const State& state, Loads which) const {
+  for (const ExternalLoad* load : loads_)
+    if (isAmong(*load, which)) load->addRowBounds(time, state, row_stiffness_, row_damping_);
 }
 
 double System::loadStiffness(double time, const State& state) const {
-  computeLoadBounds(time, state);
+  computeLoadBounds(time, state, Loads::kOthers);
   return largestRow(row_stiffness_);
 }
 
+System::SplitBounds System::boundSplitLoads(double time, const State& state) const {
+  computeLoadBounds(time, state, Loads::kSplitOff);
+  return {largestRow(row_damping_), largestRow(row_stiffness_)};
+}
+
 double System::boundStiffness(double time, const State& state) const {
-  computeRowBounds(time, state);
+  computeRowBounds(time, state, Loads::kOthers);
   return largestRow(row_stiffness_);
 }
 

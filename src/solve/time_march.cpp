@@ -148,7 +148,7 @@ void TimeMarch::refreshStableStep(double time, const State& state) {
   has_less_stretch_ = stretch < memory_.stretch_at_estimate - kStretchMemory;
   if (!memory_.estimate_needed && !is_oriented && is_known) return;
   has_less_stretch_ = false;
-  memory_.stable_step = stable_step_.estimate(time, state, system_);
+  memory_.stable_step = findStableStep(time, state);
   memory_.max_substep = std::min(memory_.max_substep, memory_.stable_step);
   memory_.max_slow_step = 2.0 / std::sqrt(stable_step_.slowRate());
   memory_.stretch_at_estimate = stretch;
@@ -286,6 +286,11 @@ void TimeMarch::goBack(double time, State& state) {
 
 bool TimeMarch::estimatesStableStep() const {
   return isExplicit(params_.type) || params_.type == IntegratorType::kAuto || system_.isOriented();
+}
+
+// As VelocityVerlet does.
+bool TimeMarch::splitsLoads() const {
+  return !system_.isOriented() && (params_.type == IntegratorType::kVerlet || params_.type == IntegratorType::kAuto);
 }
 
 // If damping removes as much as resonances of outer steps add, the energy stays constant and the surface never comes to rest.

@@ -177,7 +177,8 @@ TEST(SelfContact, DampingIsAShareOfTheCriticalOneOfAllSpringsAtAPoint) {
   const test::Sheets sheets = test::makeSheets(6, 5, 0.0008, 0.0002);
   SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
   std::vector<double> stiffness(sheets.points.size()), damping(sheets.points.size());
-  contact.addRowBounds(sheets.points, stiffness, damping);
+  contact.addStiffnessBounds(sheets.points, stiffness);
+  contact.addDampingBounds(sheets.points, damping);
   double most = 0.0;
   for (std::size_t i = 0; i < damping.size(); ++i) {
     // The bounds are twice the sums.
@@ -291,7 +292,8 @@ TEST(SelfContact, StiffnessStaysBelowItsBounds) {
   const test::Sheets sheets = test::makeSheets(2, 4, 0.0013, 0.0004);
   SelfContact contact = makeContact(sheets, spread(sheets.points, 16));
   std::vector<double> stiffness(sheets.points.size()), damping(sheets.points.size());
-  contact.addRowBounds(sheets.points, stiffness, damping);
+  contact.addStiffnessBounds(sheets.points, stiffness);
+  contact.addDampingBounds(sheets.points, damping);
   const double h = 1e-8;
   const auto forcesAt = [&](const Points& x) {
     Points forces(x.size(), Vec3::Zero());

@@ -70,6 +70,29 @@ TEST(Integrators, VerletKeepsItsOrderWithDampingByMassAndByVelocity) {
   EXPECT_NEAR(std::log2(error(100) / error(200)), 2.0, 0.15);
 }
 
+// Steps of 0.95 of the stable one without dampers. At velocities predicted with the forces before, as for viscosity, it would be
+// 0.9, 0.62 and 0.41 of that for these rates.
+TEST(Integrators, VerletIsStableWithDampersThatAreSplitOff) {
+  constexpr double dt = 1.9;
+  for (const double slow : {0.0, 0.5})  // N/m
+    for (const double rate : {0.1, 0.5, 1.0}) {
+      const SlowerOscillators model({1.0 - slow, 0.1, 0.3}, slow, 1.0);
+      const SplitDamper damper(rate);
+      const std::vector<const solve::ExternalLoad*> loads{&damper};
+      const std::vector<char> held(3, 0);
+      const System system(model, loads, held, 0.0);
+      const auto verlet = solve::makeIntegrator(IntegratorType::kVerlet, {});
+      State state = startAt(Vec3(1.0, -2.0, 0.5), Vec3(0.3, 0.1, -1.0), 3);
+      const auto energy = [&] { return system.potentialEnergy(0.0, state) + system.kineticEnergy(state); };
+      double before = 20.0 * energy();
+      for (int k = 0; k < 5; ++k) {
+        verlet->advance(system, 0.0, 40 * dt, dt / 0.5, state);
+        EXPECT_LT(energy(), 0.5 * before) << rate << " " << slow;
+        before = energy();
+      }
+    }
+}
+
 TEST(Integrators, VerletEvaluatesTheModelOnceAStepWhileNothingElseMovesThePoints) {
   for (double viscosity : {0.0, 0.1}) {
     World world({1.0}, 1.0, viscosity);

@@ -77,6 +77,27 @@ class SlowerOscillators : public Oscillators, public model::SplitForces {
   double slow_stiffness_;
 };
 
+/// A damper on each point, split off as those of contact are.
+class SplitDamper : public solve::ExternalLoad {
+ public:
+  explicit SplitDamper(double damping, double stiffness = 0.0) : damping_(damping), stiffness_(stiffness) {}
+  bool isSplitOff() const override { return true; }
+  void addForces(double, const State& s, Points& forces) const override {
+    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= damping_ * s.velocities[i];
+  }
+  double estimateWork(double, double, const State&, const State&) const override { return 0.0; }
+  void addRowBounds(double, const State&, std::vector<double>& k, std::vector<double>& c) const override {
+    for (std::size_t i = 0; i < k.size(); ++i) {
+      k[i] += stiffness_;
+      c[i] += damping_;
+    }
+  }
+
+ private:
+  double damping_;    // N s/m
+  double stiffness_;  // N/m, of springs that are without force here
+};
+
 /// A constant force per mass.
 class ConstantField : public solve::ExternalLoad {
  public:

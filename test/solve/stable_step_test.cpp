@@ -29,7 +29,7 @@ struct Setting {
       : model({4.0, 900.0, 100.0}, 0.25, viscosity), system(model, loads, held, 0.0), state{Points(3), Points(3, Vec3::Zero())} {
     state.positions.assign(3, Vec3::Zero());
   }
-  double find() { return solve::StableStep().estimate(0.0, state, system); }
+  double find(bool splits = false) { return solve::StableStep().estimate(0.0, state, system, splits); }
 
   Oscillators model;  // frequencies 4, 60, 20 1/s
   std::vector<const solve::ExternalLoad*> loads;
@@ -66,6 +66,26 @@ TEST(StableStep, IsShorterByDampingThatReadsPredictedVelocities) {
   const double expected = 2.0 / 60.0 * (std::sqrt(1.0 + z * z) - z);
   EXPECT_LE(s.find(), expected * (1.0 + 1e-12));
   EXPECT_GE(s.find(), expected * (1.0 - kBound));
+}
+
+TEST(StableStep, EndsAtTwoOverTheRateOfDampersThatAreSplitOff) {
+  for (const double rate : {6.0, 59.0, 61.0, 600.0}) {
+    Setting s;
+    const SplitDamper damper(0.25 * rate);
+    s.loads.push_back(&damper);
+    const double expected = 2.0 / std::max(60.0, rate), whole = s.find(true), shortened = s.find(false), z = rate / 60.0;
+    EXPECT_LE(whole, expected * (1.0 + 1e-12)) << rate;
+    EXPECT_GE(whole, expected * (1.0 - kBound)) << rate;
+    EXPECT_LE(shortened, 2.0 / 60.0 * (std::sqrt(1.0 + z * z) - z) * (1.0 + 1e-12)) << rate;
+  }
+}
+
+TEST(StableStep, CountsTheStiffnessOfLoadsThatAreSplitOff) {
+  Setting s;
+  const SplitDamper damper(0.1, 0.25 * 6400.0);
+  s.loads.push_back(&damper);
+  EXPECT_LE(s.find(true), 2.0 / 100.0 * (1.0 + 1e-12));
+  EXPECT_GE(s.find(true), 2.0 / 100.0 * (1.0 - kBound));
 }
 
 // Slow springs to the origin, whose stiffness counts, and a bound of theirs that is too high.

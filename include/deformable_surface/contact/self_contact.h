@@ -84,15 +84,19 @@ class SelfContact {
   /// Adds minus the derivative of the forces of springs and damping along their gaps, N/m: with respect to position, and with
   /// respect to velocity over step (s; 0: no damping). Positive semidefinite.
   void addStiffness(const Points& positions, const Points& velocities, double step, BlockSparse& stiffness);
-  /// Adds upper bounds of the row sums of the derivatives of all forces with respect to position (N/m) and velocity (N s/m).
-  void addRowBounds(const Points& positions, std::vector<double>& stiffness, std::vector<double>& damping);
+  /// Adds upper bounds of the row sums of the derivatives of the springs' forces with respect to position, N/m.
+  void addStiffnessBounds(const Points& positions, std::vector<double>& bounds);
+  /// The same of the damping forces, and of those of friction's dampers, with respect to velocity, N s/m.
+  void addDampingBounds(const Points& positions, std::vector<double>& bounds);
 
   // Friction by FrictionLaw: the spring of a sticking pair has the stiffness and damping of its contact spring. anchors: of the
   // sticking pairs, ascending; other pairs begin to stick at their present places.
   void addFriction(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors, Points& forces);
+  /// The same as if nothing moved.
+  void addFrictionAtRest(const Points& positions, const std::vector<PairAnchor>& anchors, Points& forces);
   /// Energy of the friction springs, J.
   double frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors);
-  /// Adds the stiffness of friction, as addStiffness().
+  /// Adds the stiffness of friction, as addStiffness(), with that of its springs also where step is 0.
   void addFrictionStiffness(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
                             double step, BlockSparse& stiffness);
   /// Updates the places at which pairs stick, in place, at the end of a step (s).
@@ -109,7 +113,7 @@ class SelfContact {
   void addPushes(const Points& velocities, Points& forces) const;
   /// Work of the constant part, J.
   double workOfPushes(const Points& before, const Points& after) const;
-  /// As addStiffness() and addRowBounds(), of these forces.
+  /// As addStiffness() and addDampingBounds(), of these forces.
   void addPushStiffness(double step, BlockSparse& stiffness) const;
   void addPushRowBounds(std::vector<double>& damping) const;
 

@@ -23,6 +23,7 @@ class ContactDamping : public solve::ExternalLoad {
 
   /// Whether contact is damped with no tool.
   bool isEmpty() const { return !contact_.hasDamped(); }
+  bool isSplitOff() const override { return true; }
   void addForces(double time, const model::State& state, Points& forces) const override;
   bool mayDissipate(double time, double within, const model::State& state) const override {
     return contact_.mayBeDamped(time, within, state);

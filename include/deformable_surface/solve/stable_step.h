@@ -19,12 +19,16 @@ class StableStep {
   /// model that knows its stable step gives it, and a bound for the loads is added. For a model without a stiffness matrix w^2 is
   /// bounded by the row bounds of model and loads [Gershgorin]. Infinite if nothing is stiff. Allocates nothing once the
   /// stiffness has its pattern.
-  double estimate(double time, const State& state, const System& system);
+  ///
+  /// splits: for an integrator that splits loads off (see VelocityVerlet). Their damping c is no part of z, but dt is at most 2 /
+  /// c.
+  double estimate(double time, const State& state, const System& system, bool splits = false);
 
   /// System::boundSlowRate() at the state of the last estimate, 1/s^2.
   double slowRate() const { return slow_rate_; }
 
  private:
+  double findLimit(double squared_frequency, double time, const State& state, const System& system, bool splits) const;
   /// Which matrix to measure, and what to add to its largest eigenvalue, 1/s^2. Needs scale_.
   std::pair<const BlockSparse*, double> fillStiffness(double time, const State& state, const System& system);
   /// The largest diagonal entry of M^-1 K on free points, 1/s^2.

@@ -68,6 +68,12 @@ class System {
   void computeSlowForces(const State& state, Points& forces) const;
   void addLoads(double time, const State& state, Points& forces) const;
   void addLoadsOnAll(double time, const State& state, Points& forces) const;  // the same on held points too
+  /// The same of some loads: see ExternalLoad::isSplitOff().
+  enum class Loads { kAll, kSplitOff, kOthers };
+  void addLoadsOnAll(double time, const State& state, Loads which, Points& forces) const;
+  bool hasSplitLoads() const;
+  /// Those that are split off as if nothing moved, on held points too.
+  void addSplitLoadsAtRest(double time, const State& state, Points& forces) const;
   /// See ExternalLoad: to be called by explicit integrators after each sub-step, by implicit ones after each step.
   void remember(double time, double step, State& state) const {
     for (const ExternalLoad* load : loads_) load->remember(time, step, state);
@@ -160,10 +166,16 @@ class System {
   /// Of each point: the first point of those that the model's links connect it to. All 0 in models without links.
   void labelParts(std::vector<Index>& parts) const;
 
-  /// Upper bound by Gershgorin's theorem of the largest rate of the damping that depends on velocity, 1/s.
-  double dampingRate(double time, const State& state) const;
-  /// Upper bound of the largest stiffness of the loads over its mass, 1/s^2.
+  /// Upper bound by Gershgorin's theorem of the largest rate of the damping that depends on velocity, of the model and these
+  /// loads, 1/s.
+  double dampingRate(double time, const State& state, Loads which = Loads::kAll) const;
+  /// Upper bound of the largest stiffness of the loads that are not split off over its mass, 1/s^2.
   double loadStiffness(double time, const State& state) const;
+  /// The same bounds of those that are.
+  struct SplitBounds {
+    double damping, stiffness;  // 1/s, 1/s^2
+  };
+  SplitBounds boundSplitLoads(double time, const State& state) const;
   /// Upper bound by Gershgorin's theorem of the largest stiffness over its mass, of the model and the loads, 1/s^2.
   double boundStiffness(double time, const State& state) const;
   /// Whether the model has its stiffness as a matrix.
@@ -173,8 +185,12 @@ class System {
   bool hasElasticityAlone(double time, const State& state) const;
 
  private:
-  void computeRowBounds(double time, const State& state) const;
-  void computeLoadBounds(double time, const State& state) const;  // without those of the model
+  bool isAmong(const ExternalLoad& load, Loads which) const {
+    return which == Loads::kAll || load.isSplitOff() == (which == Loads::kSplitOff);
+  }
+  void computeRowBounds(double time, const State& state, Loads which = Loads::kOthers) const;
+  void computeLoadBounds(double time, const State& state, Loads which) const;  // without those of the model
+  void addLoadBounds(double time, const State& state, Loads which) const;
   /// The largest of bounds (n) over its mass, of free points.
   double largestRow(const std::vector<double>& bounds) const;
   bool hasCarried(const Points& before, const Points& after) const;

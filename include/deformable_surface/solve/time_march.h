@@ -90,7 +90,7 @@ class TimeMarch {
   IntegratorType lastType() const { return memory_.type; }
 
   /// The stable step of explicit methods at a state, s.
-  double findStableStep(double time, const State& state) { return stable_step_.estimate(time, state, system_); }
+  double findStableStep(double time, const State& state) { return stable_step_.estimate(time, state, system_, splitsLoads()); }
 
  private:
   void chooseIntegrator(Outcome& outcome);
@@ -105,6 +105,7 @@ class TimeMarch {
   void takeBreaksBack();
   void goBack(double time, State& state);
   bool estimatesStableStep() const;
+  bool splitsLoads() const;
   void watchResonance();
   // Copies the state, with room for what grows within a step, so that no step allocates.
   void beginPortion(const State& state) {
