@@ -33,9 +33,10 @@ std::string nameFaster(const simulation::SceneParams& params, const simulation::
   // Stiff contact can also be why steps are implicit, of which it then takes no time that tells.
   if (touches_cloud_points && (is_implicit || last.time_contact > kGoodShare * total)) names += "contact.cloud_points: 0, ";
   if (is_implicit) names += "a larger integrator.tolerance, ";
-  if (last.self_contacts > 0) names += "contact.self: false, ";
-  return names + (simulation::findModel(params.model).traits().has_population ? "a larger oriented_particles.spacing"
-                                                                              : "fewer simulation points");
+  names += simulation::findModel(params.model).traits().has_population ? "a larger oriented_particles.spacing"
+                                                                       : "fewer simulation points";
+  if (last.self_contacts > 0) names += ", contact.self: false (parts then pass through each other)";
+  return names;
 }
 
 }  // namespace deformable_surface::node
