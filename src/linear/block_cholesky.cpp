@@ -293,6 +293,16 @@ void BlockCholesky::placeBlocks(const Lists& pattern) {
     }
 }
 
+double BlockCholesky::factorWork() const {
+  double work = 0.0;
+  for (const Node& node : nodes_)
+    for (Index c = 0; c < node.width; ++c) {
+      const double rows = node.num_rows - c;
+      work += 0.5 * 27.0 * rows * rows;
+    }
+  return work;
+}
+
 bool BlockCholesky::factorize(const std::vector<Mat3>& values) {
   std::fill(factor_.begin(), factor_.end(), 0.0);
   for (std::size_t k = 0; k < places_.size(); ++k) {

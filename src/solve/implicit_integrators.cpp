@@ -176,6 +176,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     dropped += taken.drop;
     stuck = taken.is_shortened && taken.drop <= params_.tolerance * dropped ? stuck + 1 : 0;
   }
+  report.passes += newton_.takePasses();
   for (Index i = 0; i < n; ++i)
     state.velocities[i] = system.isHeld(i) ? velocity[i] : ((state.positions[i] - from_[i]) / step).eval();
 }
@@ -250,8 +251,10 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   }
   state = before_;
   const Index iterations = report.iterations;
+  const double passes = report.passes;
   report = stage_.takeEulerStep(system, time, step, before_, state);
   report.iterations += iterations;
+  report.passes += passes;
   report.fallbacks = report.substeps;
   return report;
 }

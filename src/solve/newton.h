@@ -7,6 +7,7 @@
 #include "product_solver.h"
 
 #include <atomic>
+#include <utility>
 
 namespace deformable_surface::solve {
 
@@ -35,6 +36,8 @@ class NewtonDescent {
     interrupt_ = interrupt;
   }
   bool isInterrupted() const { return interrupt_ && *interrupt_; }
+  /// Work since the last call, in evaluations of all forces. It is counted, so that it is the same on every machine.
+  double takePasses() { return std::exchange(passes_, 0.0); }
 
   /// Energy and potential of the loads at a state, J; remembered for the last one.
   double potential(const Problem& problem, const State& state);
@@ -97,6 +100,7 @@ class NewtonDescent {
   /// [Eisenstat and Walker 1996], and as accurate as a direction that ends the search has to be.
   void solveByProducts(const Problem& problem, const State& state);
 
+  double passes_ = 0.0;
   bool is_potential_known_ = false;  // since begin()
   double potential_ = 0.0;           // J, at
   Points potential_at_;

@@ -92,8 +92,10 @@ bool ProductSolver::solve(const System& system, const Points& gradient, double e
   along_ = preconditioned_;
   double size = flatten(residual_).dot(flatten(preconditioned_));
   const double least = kLeast * kLeast * size;
+  num_products_ = 0;
   for (int k = 0; k < kMostProducts && size > least && findLargest(residual_) > enough && !(interrupt && *interrupt); ++k) {
     multiply(system, along_, product_);
+    ++num_products_;
     const double resistance = flatten(along_).dot(flatten(product_));
     if (!(resistance > 0.0)) {
       if (k == 0) direction = along_;

@@ -23,6 +23,8 @@ class ProductSolver {
   /// positive along a direction that was met. The result is then the iterate before it, at least the preconditioner's answer.
   /// Ends early once interrupt is true.
   bool solve(const System& system, const Points& gradient, double enough, const std::atomic<bool>* interrupt, Points& direction);
+  /// Of the last solve().
+  Index numProducts() const { return num_products_; }
 
  private:
   void setSprings(const System& system);
@@ -34,6 +36,7 @@ class ProductSolver {
   Multigrid springs_;
   std::vector<double> known_weight_;  // (n) with which springs_ were made
   std::vector<char> known_held_;
+  Index num_products_ = 0;
   // Scratch.
   std::vector<double> diagonal_, off_diagonal_;
   Points residual_, preconditioned_, along_, product_;

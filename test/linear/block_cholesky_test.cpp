@@ -110,6 +110,19 @@ TEST(BlockCholesky, TakesNewValuesAndNewPatterns) {
   }
 }
 
+TEST(BlockCholesky, CountsTheMultiplicationsOfAFactorisation) {
+  std::mt19937 generator(11);
+  BlockCholesky apart, full;
+  apart.analyze(fill(60, {}, 2.0, generator).pattern());
+  Pairs all;
+  for (Index i = 0; i < 60; ++i)
+    for (Index j = 0; j < i; ++j) all.emplace_back(i, j);
+  full.analyze(fill(60, all, 2.0, generator).pattern());
+  EXPECT_DOUBLE_EQ(apart.factorWork(), 0.5 * 27.0 * 60);
+  // A sixth of the cube of 180 numbers.
+  EXPECT_NEAR(full.factorWork(), std::pow(180.0, 3) / 6.0, 0.05 * std::pow(180.0, 3) / 6.0);
+}
+
 TEST(BlockCholesky, SaysWhetherTheMatrixIsPositiveDefinite) {
   std::mt19937 generator(5);
   const Pairs pairs = gridPairs(7, 2.5, generator);

@@ -24,6 +24,8 @@ class BlockCholesky {
 
   /// Numbers stored in the factor, including zeros inside panels.
   std::size_t factorSize() const { return factor_.size(); }
+  /// Multiplications of a factorize(), including those of such zeros.
+  double factorWork() const;
 
  private:
   // Columns first .. first + width - 1 of L, in blocks of the permuted matrix. The panel is column-major; the rows of its
