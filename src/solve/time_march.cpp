@@ -36,6 +36,12 @@ constexpr Index kPortion = 32;      // sub-steps between two looks at the stable
 // Parts of an implicit step in which something breaks: others must bear its share, or no longer, before they break, too. In
 // jerked sheets of 1000 points with steps of 10 ms as many links tear as with steps of 1.25 ms.
 constexpr Index kBreakingParts = 8;
+// Implicit steps are left where they take so many times the work of Verlet's sub-steps. That is seen after one step that takes
+// eight times as much, and after three that take four times as much.
+constexpr double kCostly = 2.0;
+constexpr double kLearn = 0.25;  // weight of the last implicit step in the mean of their work
+// Of that mean, forgotten in each step by Verlet: after 140 steps or more the implicit method is tried again.
+constexpr double kForgetWork = 0.005;
 constexpr Index kHopeless = 1000000;  // sub-steps in a step: minutes for small surfaces; the step is refused instead
 
 bool isExplicit(IntegratorType type) {
@@ -49,6 +55,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.halted += part.halted;
   total.fallbacks += part.fallbacks;
   total.iterations += part.iterations;
+  total.passes += part.passes;
   total.is_quasi_newton = part.is_quasi_newton;
   total.residual = std::max(total.residual, part.residual);
   total.unbalanced = std::max(total.unbalanced, part.unbalanced);
@@ -84,6 +91,7 @@ void TimeMarch::restart() {
   memory_.wider = 0;
   memory_.cautious = memory_.cautious_slow = 0;
   memory_.heated = memory_.dissipated = 0.0;
+  memory_.implicit_work = 0.0;
 }
 
 void TimeMarch::prepare(double time, const State& state) {
@@ -92,7 +100,9 @@ void TimeMarch::prepare(double time, const State& state) {
 
 void TimeMarch::resume() {
   const bool estimate_needed = memory_.estimate_needed;
+  const double implicit_work = memory_.implicit_work;
   restart();
+  memory_.implicit_work = implicit_work;
   if (estimate_needed) return;
   memory_.estimate_needed = false;
   memory_.max_substep = memory_.stable_step;
@@ -104,19 +114,37 @@ void TimeMarch::forcesChanged() {
   memory_.estimate_needed = true;
 }
 
-// Chooses the integrator for this step; auto takes verlet while its sub-steps fit, else implicit.
+// Chooses the integrator for this step.
 void TimeMarch::chooseIntegrator(Outcome& outcome) {
   IntegratorType wanted = params_.type;
   if (wanted == IntegratorType::kAuto && !system_.hasStiffness()) {
     wanted = IntegratorType::kVerlet;  // there is no implicit method
   } else if (wanted == IntegratorType::kAuto) {
     const Index substeps = countSubsteps(params_.time_step, memory_.max_substep);
-    const bool fits = substeps <= params_.max_substeps;
+    const Index likely = countSubsteps(params_.time_step, (memory_.cautious == 0 ? kBold : 1.0) * memory_.max_substep);
+    const bool fits = substeps <= params_.max_substeps || likely <= worthOfImplicit();
     wanted = fits ? IntegratorType::kVerlet : IntegratorType::kImplicit;
     outcome.has_changed_type = wanted != memory_.type && (!fits || memory_.type == IntegratorType::kImplicit);
     outcome.verlet_substeps = substeps;
   }
   outcome.type = memory_.type = wanted;
+}
+
+// Sub-steps up to which auto takes Verlet though they are more than max_substeps. Verlet is left once it is more work than
+// implicit steps were, and these are left where they are far more work, so that auto keeps to one of them.
+double TimeMarch::worthOfImplicit() const {
+  const double times = memory_.type == IntegratorType::kImplicit ? kCostly : 1.0;
+  return std::min<double>(memory_.implicit_work / times, kHopeless);
+}
+
+// After a step that succeeded.
+void TimeMarch::learnImplicitWork() {
+  double& work = memory_.implicit_work;
+  if (implicit_passes_ > 0.0) {
+    work += kLearn * (implicit_passes_ / fineness_ - work);
+  } else {
+    work *= 1.0 - kForgetWork;
+  }
 }
 
 void TimeMarch::computeForcesOnAll(double time, const State& state, Points& forces) const {
@@ -209,7 +237,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   for (;;) {
     const Index left = countSubsteps(part - done, share * memory_.max_substep);
     // The surface has become too stiff within the step: the whole step has to be taken implicitly.
-    is_too_stiff_ = may_be_implicit && total.substeps + left > params_.max_substeps;
+    is_too_stiff_ = may_be_implicit && total.substeps + left > std::max<double>(params_.max_substeps, worthOfImplicit());
     if (!is_too_stiff_ && left > kHopeless) substeps_needed_ = left;
     if (is_too_stiff_ || substeps_needed_ > 0 || isInterrupted()) return total;
     const double portion = left <= kPortion ? part - done : (part - done) * kPortion / left;
@@ -248,6 +276,7 @@ SolveReport TimeMarch::takeImplicitParts(double time, Index parts, State& state)
     const double from = time + k * part;
     beginPortion(state);
     SolveReport report = integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state);
+    implicit_passes_ += report.passes;
     work_ += *report.carrying_work + system_.loadWork(from, from + part, portion_start_, state);
     if (report.finite) report.breakStretched(system_, state);
     followBreaks(report);
@@ -347,6 +376,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   SolveReport& report = outcome.report;
   const Memory at_begin = memory();
   before_ = state;
+  implicit_passes_ = 0.0;
   has_broken_ = false;
   guard_.beginStep(system_, time, state);
   if (estimatesStableStep()) {
@@ -423,6 +453,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   }
   if (memory_.type == IntegratorType::kVerlet && (is_too_stiff_ || outcome.is_retried_implicitly))
     report.fallbacks = report.substeps;
+  if (params_.type == IntegratorType::kAuto) learnImplicitWork();
   guard_.commit();
   return outcome;
 }

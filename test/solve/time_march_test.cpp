@@ -5,9 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace deformable_surface::test {
 namespace {
@@ -255,6 +258,72 @@ TEST(TimeMarch, AStepThatBecomesTooStiffForVerletIsAFallbackAndOneThatAutoTakesI
   EXPECT_EQ(second.type, solve::IntegratorType::kImplicit);
   EXPECT_TRUE(second.has_changed_type);
   EXPECT_EQ(second.report.fallbacks, 0);
+}
+
+// An implicit step of one point is the work of some eighty evaluations of its force: two matrices and what goes with them.
+constexpr Index kCostOfImplicit = 80;
+
+// How the next steps are taken first, and how often `auto` changed in them.
+std::pair<std::vector<solve::IntegratorType>, int> findTypes(March& m, int steps) {
+  std::vector<solve::IntegratorType> types;
+  int changes = 0;
+  for (int k = 0; k < steps; ++k) {
+    const solve::TimeMarch::Outcome taken = m.march.step(0.01 * k, m.state);
+    EXPECT_TRUE(taken.ok);
+    types.push_back(taken.type);
+    changes += taken.has_changed_type;
+  }
+  return {types, changes};
+}
+
+Index count(const std::vector<solve::IntegratorType>& types, solve::IntegratorType type) {
+  return static_cast<Index>(std::count(types.begin(), types.end(), type));
+}
+
+TEST(TimeMarch, AutoReturnsToMoreSubstepsThanMaxSubstepsWhereImplicitStepsTakeFarMoreWork) {
+  March m(1.0);
+  m.params.max_substeps = 10;
+  m.model.stable_step = 0.02 / (kCostOfImplicit / 4);
+  const auto [types, changes] = findTypes(m, 100);
+  EXPECT_EQ(types.front(), solve::IntegratorType::kImplicit);
+  EXPECT_GE(count(types, solve::IntegratorType::kVerlet), 90);
+  EXPECT_EQ(types.back(), solve::IntegratorType::kVerlet);
+  EXPECT_EQ(changes, 2);
+  EXPECT_GT(m.countSubsteps(), m.params.max_substeps);
+}
+
+TEST(TimeMarch, AutoTriesImplicitStepsAgainWhenItsKnowledgeOfTheirWorkIsOld) {
+  March m(1.0);
+  m.params.max_substeps = 10;
+  m.model.stable_step = 0.02 / (kCostOfImplicit / 4);
+  const auto [types, changes] = findTypes(m, 1000);
+  EXPECT_GT(changes, 2);
+  EXPECT_LE(changes, 16);
+  EXPECT_LE(count(types, solve::IntegratorType::kImplicit), 40);
+}
+
+TEST(TimeMarch, AutoKeepsToImplicitStepsThatTakeLessWork) {
+  March m(1.0);
+  m.params.max_substeps = 10;
+  m.model.stable_step = 0.02 / (2 * kCostOfImplicit);
+  const auto [types, changes] = findTypes(m, 300);
+  EXPECT_EQ(count(types, solve::IntegratorType::kImplicit), 300);
+  EXPECT_EQ(changes, 1);
+}
+
+TEST(TimeMarch, AutoChoosesTheSameFromAMemory) {
+  March m(1.0), other(1.0);
+  for (March* march : {&m, &other}) {
+    march->params.max_substeps = 10;
+    march->model.stable_step = 0.02 / (kCostOfImplicit / 4);
+  }
+  for (const int before : {1, 2, 20}) {
+    findTypes(m, before);
+    other.state = m.state;
+    other.march.setMemory(m.march.memory());
+    EXPECT_EQ(findTypes(m, 30), findTypes(other, 30));
+    EXPECT_EQ(m.state.positions, other.state.positions);
+  }
 }
 
 TEST(TimeMarch, UnderAScopeNoForcesAreEvaluatedAnyMoreOnceItIsInterrupted) {

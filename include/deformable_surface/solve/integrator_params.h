@@ -11,7 +11,7 @@ enum class IntegratorType { kAuto, kVerlet, kSymplecticEuler, kExplicitEuler, kI
 struct IntegratorParams {
   IntegratorType type = IntegratorType::kAuto;
   double time_step = 0.01;     // s, > 0; never changed silently
-  Index max_substeps = 1000;   // >= 1: auto takes verlet while it needs no more sub-steps per step than this, else implicit
+  Index max_substeps = 1000;   // >= 1: auto takes verlet while it needs no more sub-steps per step, else what is less work
   double tolerance = 1e-6;     // > 0: implicit and static stop when the residual force is below this share of the largest force
   Index max_iterations = 100;  // >= 1: Newton iterations of an implicit or static step
 };
@@ -25,11 +25,14 @@ inline void visit(Fields& fields, IntegratorParams& p) {
        {"explicit_euler", IntegratorType::kExplicitEuler},
        {"implicit", IntegratorType::kImplicit},
        {"static", IntegratorType::kStatic}},
-      "`auto` = verlet within max_substeps, else implicit; with an accuracy target, the integrator that its trials choose. "
+      "`auto` = verlet within max_substeps, beyond it verlet or implicit, whichever turns out to be less work; with an accuracy "
+      "target, the integrator that its trials choose. "
       "`explicit_euler` = as published. `static` = each step is the equilibrium under its loads");
   fields.number("time_step", p.time_step, "s", between(1e-9, 1e3), "length of a step. It is never changed; sub-steps divide it");
-  fields.integer("max_substeps", p.max_substeps, "", between(1, 1e9),
-                 "`auto` changes from verlet to implicit if a step needs more sub-steps than this");
+  fields.integer(
+      "max_substeps", p.max_substeps, "", between(1, 1e9),
+      "`auto` tries implicit steps if verlet needs more sub-steps than this. It returns to verlet where they turn out to be "
+      "far more work, also to more sub-steps than this");
   fields.number("tolerance", p.tolerance, "", between(1e-15, 0.1),
                 "implicit and static: relative residual force at which iterations stop. A stage of implicit with a relative "
                 "residual above 1e-6 takes at least one iteration");

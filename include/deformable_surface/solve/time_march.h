@@ -46,6 +46,8 @@ class TimeMarch {
     Index cautious_slow = 0;  // steps in which slow forces are still to act in every sub-step
     double heated = 0.0;      // J, that outer steps put into the motion of late, and
     double dissipated = 0.0;  // J, what damping by mass took out of it
+    // Sub-steps of Verlet that are as much work as the implicit steps which auto took of late; 0: there were none.
+    double implicit_work = 0.0;
     EnergyGuard::Memory energy;
   };
   Memory memory() const;
@@ -70,7 +72,7 @@ class TimeMarch {
     // What a user should know of a step that succeeded.
     IntegratorType type = IntegratorType::kAuto;  // how the step was tried first; not kAuto
     bool has_changed_type = false;                // `auto` has changed between verlet and implicit
-    Index verlet_substeps = 0;                    // that verlet needs, where it is left for the implicit method
+    Index verlet_substeps = 0;                    // that verlet needs by estimate, for auto
     StepFailure retried;                          // why the step was taken once more, the last time; of no kind: it was not
     bool is_retried_implicitly = false;           // that time; else with finer sub-steps or parts
   };
@@ -94,6 +96,8 @@ class TimeMarch {
 
  private:
   void chooseIntegrator(Outcome& outcome);
+  double worthOfImplicit() const;
+  void learnImplicitWork();
   Integrator& integrator(IntegratorType type);
   void refreshStableStep(double time, const State& state);
   void lengthenSubsteps(double time, const State& state);
@@ -135,8 +139,9 @@ class TimeMarch {
   bool has_broken_ = false;        // something, in the step
   bool has_less_stretch_ = false;  // than when the stable step was estimated
   Index most_inner_ = 1;           // sub-steps in which slow forces may act once
-  bool is_too_stiff_ = false;      // for auto: more sub-steps than max_substeps
+  bool is_too_stiff_ = false;      // for auto: more sub-steps than it takes
   Index substeps_needed_ = 0;      // if there are too many of them to be taken
+  double implicit_passes_ = 0.0;   // of the step: work of all that was tried implicitly, in evaluations of all forces
   double work_ = 0.0;              // J, put in during the step by loads without a potential
   double dissipated_ = 0.0;        // J, taken out during the step by damping by mass
 };
