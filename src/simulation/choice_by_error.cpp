@@ -23,22 +23,24 @@ using solve::IntegratorType;
 constexpr double kFreeWorkOfSmall = 2e7;
 // A choice that was not tried is of all points if these take no more than this in all, about two minutes of one core.
 constexpr double kMostUntried = 1e9;
-// More points than this share are not tried: the run would hardly cost less than one of all points, and the estimate is not
-// calibrated there.
+// In clouds whose share of this is less than the fewest points that are tried, nothing but all points is: the run would hardly
+// cost less than one of all points, and the estimate is not calibrated there.
 constexpr double kMostShare = 0.45;
 
-// How the estimate falls with the number of points, estimate ~ points^-rate: as expected of one trial, and as far as it may be
-// believed of two. The spacing h goes with points^-1/2; errors go with h^1 to h^2, mostly.
-constexpr double kRate = 0.75, kLeastRate = 0.4, kLargestRate = 1.25;
-constexpr double kAim = 0.7;          // of the target, so that the next trial probably meets it
-constexpr double kLeastGrowth = 1.5;  // of the number of points from trial to trial, where so many may be tried
-constexpr Index kBlindGrowth = 4;     // where a trial had no estimate
+// From number to number of points tried. That after the first is at least kLeastGrowth times as large.
+constexpr double kGrowth = 2.0, kLeastGrowth = 1.5;
+// Trials of all numbers take this share of the work of all points: somewhat less than they may, as their work grows unevenly.
+constexpr double kShareOfNumbers = 0.9 * kShareOfWhole;
+
+// How the estimate falls with the number of points, estimate ~ points^-rate. The spacing h goes with points^-1/2; errors go with
+// h^1 to h^2, mostly.
+constexpr double kRate = 0.75, kLeastRate = 0.4, kLargestRate = 1.25;  // as expected, and as far as trials may be believed
+constexpr double kAim = 0.7;  // of the target, so that a number of points that is not tried probably meets it
 
 // How the work grows with the number of points, work ~ points^exponent: the sub-steps of explicit steps grow with its root.
-// Beside tools contact sets the sub-steps, too: 1.05 to 1.5 in sixteen scenes.
+// Beside tools contact sets the sub-steps, too: 1.05 to 1.5 in sixteen scenes. Two trials do not tell it: few points are often
+// stiffer than many.
 constexpr double kCostExponent = 1.5, kCostExponentOfTools = 1.25;
-// As far as two trials may be believed.
-constexpr double kLeastCostExponent = 1.0, kLargestCostExponent = 1.5;
 
 // The number of points whose error is expected at the target, by trials of fewer: not finite where these say nothing.
 double predictPoints(const std::vector<Probe>& trials, double target) {
@@ -64,7 +66,7 @@ class ChoiceByError {
         n_(static_cast<Index>(full.dense.positions.size())),
         target_(params.accuracy.position_error),
         most_first_(most_first),
-        most_(static_cast<Index>(kMostShare * n_)),
+        numbers_(listNumbers()),
         budget_(isSmall() ? kFreeWorkOfSmall : 0.0) {}
 
   void choose() {
@@ -105,15 +107,27 @@ class ChoiceByError {
   }
 
   // The fewest points that are tried are nearly all of them.
-  bool isSmall() const { return most_ < kFewestTried; }
+  bool isSmall() const { return kMostShare * n_ < kFewestTried; }
   bool isStatic() const { return params_.integrator.type == IntegratorType::kStatic; }
+
+  // The numbers of points to try, ascending. They are the same for every target.
+  std::vector<Index> listNumbers() const {
+    const double exponent = costExponent();
+    // Trials of most, most / kGrowth, and so on take the share together.
+    const double most = n_ * std::pow(kShareOfNumbers * (1.0 - std::pow(kGrowth, -exponent)), 1.0 / exponent);
+    std::vector<Index> numbers;
+    for (double points = most; points >= kLeastGrowth * kFewestTried; points /= kGrowth)
+      numbers.push_back(static_cast<Index>(points));
+    numbers.push_back(kFewestTried);
+    std::reverse(numbers.begin(), numbers.end());
+    return numbers;
+  }
 
   Probe attempt(Index points, double most_work) {
     Candidate tried;
     tried.points = points;
     tried.integrator = params_.integrator.type;
-    // Even if it falls as fast as errors do, an error above this is not below the target with the most points to try next.
-    const double hopeless = target_ * std::pow(findLargestGrowth(points), kLargestRate);
+    const double hopeless = target_ * std::pow(std::max(1.0, static_cast<double>(numbers_.back()) / points), kLargestRate);
     ProbeLimits limits{most_work, hopeless};
     // The first trial has a limit of its own, and the first step of an equilibrium does not tell what the others cost.
     if (!trials_.empty() && !isStatic()) limits.budget = &budget_;
@@ -124,25 +138,7 @@ class ChoiceByError {
     return probe;
   }
 
-  // How many times as many points can still be tried after a trial of this many; 1: none.
-  double findLargestGrowth(Index points) const {
-    // Work in that of this trial.
-    const double whole = std::pow(static_cast<double>(n_) / points, costExponent());
-    const double spent = trials_.empty() ? 0.0 : budget_.spent() / expectWork(trials_.back(), points);
-    const double affordable = std::pow(std::max(0.0, kShareOfWhole * whole - spent - 1.0), 1.0 / costExponent());
-    const double growth = std::min(affordable, static_cast<double>(most_) / points);
-    return growth < kLeastGrowth ? 1.0 : growth;
-  }
-
-  double costExponent() const {
-    const double expected = params_.tools.empty() ? kCostExponent : kCostExponentOfTools;
-    if (trials_.size() < 2) return expected;
-    const Probe &last = trials_.back(), &before = trials_[trials_.size() - 2];
-    if (!last.is_whole || !before.is_whole) return expected;
-    const double found = std::log(last.candidate.work / before.candidate.work) /
-                         std::log(static_cast<double>(last.candidate.points) / before.candidate.points);
-    return std::isfinite(found) ? std::min(kLargestCostExponent, std::max(kLeastCostExponent, found)) : expected;
-  }
+  double costExponent() const { return params_.tools.empty() ? kCostExponent : kCostExponentOfTools; }
 
   // Of so many points, by a trial of fewer. An equilibrium costs the most in its first step.
   double expectWork(const Probe& by, double points) const {
@@ -184,19 +180,18 @@ class ChoiceByError {
   // The next number to try; 0: none pays.
   Index findNext() const {
     const Probe& last = trials_.back();
-    if (last.is_cut || last.candidate.points >= most_) return 0;
-    // A trial that was given up while its error grew has a larger one than was found.
-    if (!last.is_whole && std::isfinite(last.candidate.error)) return 0;
-    const double affordable = std::pow(budget_.left() / expectWork(last, last.candidate.points), 1.0 / costExponent());
-    const double largest = std::min(static_cast<double>(most_), affordable * last.candidate.points);
-    double next = predictPoints(trials_, target_);
-    if (std::isfinite(next) && next <= largest) {
-      next = std::min(largest, std::max(kLeastGrowth * last.candidate.points, predictPoints(trials_, kAim * target_)));
-    } else if (!std::isfinite(next)) {
-      // Without an estimate nothing tells how many points have one.
-      next = static_cast<double>(kBlindGrowth) * last.candidate.points;
-    }
-    return next <= largest && next > last.candidate.points + 1.0 ? static_cast<Index>(next) : 0;
+    // A trial that was given up while its error grew has a larger one than was found. Without an estimate nothing tells how many
+    // points have one.
+    if (last.is_cut || (!last.is_whole && std::isfinite(last.candidate.error))) return 0;
+    const auto isAffordable = [&](Index points) { return expectWork(last, points) <= budget_.left(); };
+    const auto next = std::upper_bound(numbers_.begin(), numbers_.end(), last.candidate.points);
+    if (next == numbers_.end() || !isAffordable(*next)) return 0;
+    // An error of more than kGrowth times the target probably needs more than kGrowth times the points. The least of all trials
+    // counts: once a number was not left out, none is any more, so that a larger target never takes more points.
+    double least = std::numeric_limits<double>::infinity();  // m
+    for (const Probe& trial : trials_) least = std::min(least, findLeastError(trial.candidate));
+    const bool is_far = least > kGrowth * target_ && next + 1 != numbers_.end() && isAffordable(*(next + 1));
+    return is_far ? *(next + 1) : *next;
   }
 
   // All points, tried if that costs next to nothing.
@@ -227,14 +222,22 @@ class ChoiceByError {
   void takeUntried(Index points) {
     const Probe& last = trials_.back();
     const bool is_all = points == n_, has_missed = last.candidate.points == n_ && !last.is_cut;
-    const bool is_steps_known = is_all && !has_missed && last.candidate.is_bounded && (isStatic() || !last.is_implicit);
-    const double steps_error = isStatic() ? 0.0 : last.time_error;  // m
+    const auto isSound = [&](const Probe& trial) { return trial.candidate.is_bounded && (isStatic() || !trial.is_implicit); };
+    const bool is_steps_known = is_all && !has_missed && isSound(last);
+    // The last trial often ends early.
+    double steps_error = 0.0;  // m
+    bool is_whole = false;
+    for (const Probe& trial : trials_) {
+      if (!isSound(trial)) continue;
+      if (!isStatic()) steps_error = std::max(steps_error, trial.time_error);
+      is_whole = is_whole || trial.is_whole;
+    }
     choice_.take(last.candidate);
     if (points == last.candidate.points) choice_.first_step = last.first_step;
     choice_.points = points;
     choice_.integrator = params_.integrator.type;
     choice_.work = last.candidate.work * std::pow(static_cast<double>(points) / last.candidate.points, costExponent());
-    choice_.is_met = is_steps_known && (isStatic() || last.is_whole) && steps_error <= target_;
+    choice_.is_met = is_steps_known && (isStatic() || is_whole) && steps_error <= target_;
     const std::string trial = "the trial of " + std::to_string(last.candidate.points) + " points ended";
     if (is_steps_known && steps_error <= target_) {
       choice_.error = steps_error;
@@ -269,9 +272,9 @@ class ChoiceByError {
   const RestSurface& full_;
   AccuracyChoice& choice_;
   const Index n_;
-  const double target_;      // m
-  const double most_first_;  // work of the first trial
-  const Index most_;         // to try, except all
+  const double target_;               // m
+  const double most_first_;           // work of the first trial
+  const std::vector<Index> numbers_;  // of points to try, ascending; all points are not among them
   WorkBudget budget_;
   std::string asked_;
   std::vector<Probe> trials_;
