@@ -36,10 +36,11 @@ constexpr Index kPortion = 32;      // sub-steps between two looks at the stable
 // Parts of an implicit step in which something breaks: others must bear its share, or no longer, before they break, too. In
 // jerked sheets of 1000 points with steps of 10 ms as many links tear as with steps of 1.25 ms.
 constexpr Index kBreakingParts = 8;
-// Implicit steps are left where they take so many times the work of Verlet's sub-steps. That is seen after one step that takes
-// eight times as much, and after three that take four times as much.
+// Implicit steps are left where they take so many times the work of Verlet's sub-steps. That is seen after a first step that
+// takes eight times as much, and after five that take four times as much.
 constexpr double kCostly = 2.0;
-constexpr double kLearn = 0.25;  // weight of the last implicit step in the mean of their work
+// Weight of an implicit step in the mean of their work: of the first one, and of others, as single ones may need many iterations.
+constexpr double kLearnFirst = 0.25, kLearn = 0.125;
 // Of that mean, forgotten in each step by Verlet: after 140 steps or more the implicit method is tried again.
 constexpr double kForgetWork = 0.005;
 constexpr Index kHopeless = 1000000;  // sub-steps in a step: minutes for small surfaces; the step is refused instead
@@ -141,7 +142,7 @@ double TimeMarch::worthOfImplicit() const {
 void TimeMarch::learnImplicitWork() {
   double& work = memory_.implicit_work;
   if (implicit_passes_ > 0.0) {
-    work += kLearn * (implicit_passes_ / fineness_ - work);
+    work += (work == 0.0 ? kLearnFirst : kLearn) * (implicit_passes_ / fineness_ - work);
   } else {
     work *= 1.0 - kForgetWork;
   }
