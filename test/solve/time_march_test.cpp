@@ -311,6 +311,33 @@ TEST(TimeMarch, AutoKeepsToImplicitStepsThatTakeLessWork) {
   EXPECT_EQ(changes, 1);
 }
 
+// A spring to the origin that Newton's method does not know of.
+class UnknownSpring : public Rubbing {
+ public:
+  void addForces(double, const State& state, Points& forces) const override { forces[0] -= stiffness * state.positions[0]; }
+  double potential(double, const State& state) const override { return 0.5 * stiffness * state.positions[0].squaredNorm(); }
+  bool isConservative() const override { return true; }
+  double stiffness = 0.0;  // N/m
+};
+
+TEST(TimeMarch, AutoKeepsToImplicitStepsThroughOneThatTakesFarMoreWork) {
+  March m(1.0);
+  UnknownSpring spring;
+  m.loads.push_back(&spring);
+  m.params.max_substeps = 10;
+  m.model.stable_step = 0.02 / (1.5 * kCostOfImplicit);
+  findTypes(m, 20);
+  const double usual = m.march.memory().implicit_work;
+  spring.stiffness = 1e4;
+  m.march.loadsChanged();
+  const solve::TimeMarch::Outcome costly = m.march.step(0.2, m.state);
+  ASSERT_TRUE(costly.ok);
+  EXPECT_GT(costly.report.passes, 4.0 * usual);
+  spring.stiffness = 0.0;
+  m.march.loadsChanged();
+  EXPECT_EQ(count(findTypes(m, 20).first, solve::IntegratorType::kImplicit), 20);
+}
+
 TEST(TimeMarch, AutoChoosesTheSameFromAMemory) {
   March m(1.0), other(1.0);
   for (March* march : {&m, &other}) {
