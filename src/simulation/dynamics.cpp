@@ -150,7 +150,7 @@ void Dynamics::reset() {
   tool_watch_.reset();
   reported_loose_ = 0;
   has_reported_grazing_ = has_told_compliance_ = false;
-  implicit_touching_ = {};
+  implicit_work_ = {};
   Changes all;
   all.loads = all.parts = all.motion = all.everywhere = true;
   follow(all);

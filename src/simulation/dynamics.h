@@ -310,10 +310,10 @@ class Dynamics {
   std::string why_no_self_contact_;
   std::shared_ptr<const ContactSkin> skin_without_contact_;  // null: not made
   bool has_told_compliance_ = false;
-  struct ImplicitTouching {
-    Index steps = 0, iterations = 0;  // of implicit steps in which a tool touches, since the last look
+  struct ImplicitWork {
+    Index steps = 0, iterations = 0;  // of implicit steps, since the last look
     bool is_told = false;
-  } implicit_touching_;
+  } implicit_work_;
   UntanglingProgress untangling_;
   Index reported_loose_ = 0;   // points of loose parts, as said last since the last reset
   DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion

@@ -79,10 +79,11 @@ std::string describeFallbacks(IntegratorType chosen, Index fallbacks, Index step
          "fallback_steps)";
 }
 
-std::string describeCostlySteps(double iterations, Index verlet_substeps, const IntegratorParams& params) {
-  return "a tool touches, and steps of integrator.type implicit now take " + formatShort(iterations) + " iterations each: the " +
-         std::to_string(verlet_substeps) + " sub-steps that integrator.type verlet " +
-         (verlet_substeps <= params.max_substeps ? "(or auto) " : "") + "needs instead are faster";
+std::string describeCostlySteps(bool is_touched, double iterations, Index verlet_substeps, const IntegratorParams& params) {
+  return std::string(is_touched ? "a tool touches, and " : "") + "steps of integrator.type implicit now take " +
+         formatShort(iterations) + " iterations each: the " + std::to_string(verlet_substeps) +
+         " sub-steps that integrator.type verlet " + (verlet_substeps <= params.max_substeps ? "(or auto) " : "") +
+         "needs instead are faster";
 }
 
 std::string describeRefusal(const solve::StepFailure& failure, IntegratorType chosen, bool has_implicit) {

@@ -19,8 +19,8 @@ std::string describeUnbalance(const solve::SolveReport& report, const solve::Int
                               bool has_stopped);
 /// Of steps that the chosen integrator did not take, at least in part: so many of the last ones.
 std::string describeFallbacks(solve::IntegratorType chosen, Index fallbacks, Index steps);
-/// Of implicit steps in which tools touch, with so many iterations on average, where Verlet would be faster.
-std::string describeCostlySteps(double iterations, Index verlet_substeps, const solve::IntegratorParams& params);
+/// Of implicit steps with so many iterations on average, where Verlet would be faster. is_touched: a tool touches.
+std::string describeCostlySteps(bool is_touched, double iterations, Index verlet_substeps, const solve::IntegratorParams& params);
 /// Why a step of this integrator was refused, with advice where something else may help. has_implicit: whether `auto` may take
 /// the implicit method.
 std::string describeRefusal(const solve::StepFailure& failure, solve::IntegratorType chosen, bool has_implicit);

@@ -111,7 +111,8 @@ TEST(Allocation, NoStepWithSelfContactAllocatesWhileNothingIsNear) {
     p.integrator.type = type;
     p.contact.self = true;
     simulation::Simulation s(p, sheetCloud());
-    EXPECT_EQ(countAllocations(s, 30), 0) << static_cast<int>(type);
+    // Few implicit steps, before it is told that they take longer than Verlet's.
+    EXPECT_EQ(countAllocations(s, type == Type::kImplicit ? 8 : 30), 0) << static_cast<int>(type);
   }
 }
 

@@ -189,6 +189,12 @@ TEST(SolidSimulation, FindsTheEquilibriumThatItSettlesTo) {
   EXPECT_LT(findDistance(solved, settled), 1e-4);
 }
 
+// Whether nothing is told but that Verlet takes less time.
+bool isOnlyOnWork(const std::string& notice) {
+  return notice.empty() ||
+         (notice.find("steps of integrator.type implicit now take ") == 0 && notice.find("; ") == std::string::npos);
+}
+
 // The fall of a clamped bar with steps forty times as long as Verlet's: no energy is created, and it ends where the bar ends, up
 // to exp(-8) of the distance.
 TEST(SolidSimulation, TakesLongImplicitStepsWithoutMakingEnergy) {
@@ -201,7 +207,7 @@ TEST(SolidSimulation, TakesLongImplicitStepsWithoutMakingEnergy) {
   for (int k = 0; k < 60; ++k) {
     const simulation::StepOutcome outcome = s.step();
     ASSERT_TRUE(outcome.ok) << outcome.problem;
-    EXPECT_EQ(outcome.notice, "");
+    EXPECT_TRUE(isOnlyOnWork(outcome.notice)) << outcome.notice;
     const simulation::Statistics now = s.statistics();
     const double energy = now.kinetic_energy + now.elastic_energy + now.potential_energy;
     EXPECT_LT(energy, last + 1e-9 * std::abs(last)) << k;
@@ -242,7 +248,7 @@ TEST(SolidSimulation, ALooseToleranceLeavesNoMotionOutOfImplicitSteps) {
     for (int k = 0; k < std::lround(0.2 / step); ++k) {
       const simulation::StepOutcome outcome = s.step();
       EXPECT_TRUE(outcome.ok) << outcome.problem;
-      EXPECT_EQ(outcome.notice, "");
+      EXPECT_TRUE(isOnlyOnWork(outcome.notice)) << outcome.notice;
     }
     return s;
   };

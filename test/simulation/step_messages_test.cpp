@@ -53,12 +53,13 @@ TEST(StepMessages, ARefusedStepOfVerletThatGainedEnergyComesWithAdvice) {
 TEST(StepMessages, CostlyImplicitStepsAreSaidWithWhatIsFaster) {
   IntegratorParams params;
   params.max_substeps = 100;
-  EXPECT_EQ(describeCostlySteps(14.5, 90, params),
+  EXPECT_EQ(describeCostlySteps(true, 14.5, 90, params),
             "a tool touches, and steps of integrator.type implicit now take 14.5 iterations each: the 90 sub-steps that "
             "integrator.type verlet (or auto) needs instead are faster");
-  EXPECT_EQ(describeCostlySteps(14.5, 110, params),
+  EXPECT_EQ(describeCostlySteps(true, 14.5, 110, params),
             "a tool touches, and steps of integrator.type implicit now take 14.5 iterations each: the 110 sub-steps that "
             "integrator.type verlet needs instead are faster");
+  EXPECT_EQ(describeCostlySteps(false, 14.5, 90, params).find("steps of integrator.type implicit now take 14.5 iterations"), 0u);
 }
 
 TEST(StepMessages, OfAStepLikeTheLastThereIsNothingToSay) {
