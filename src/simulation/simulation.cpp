@@ -196,11 +196,10 @@ std::string Simulation::Impl::tellWhatLasts(const EstimatedDynamics::Outcome& ta
   const bool are_many = static_cast<double>(stopped) >= kManyStopped * static_cast<double>(dynamics().state().size());
   if (stopped > 0 && lasting.see(Lasting::kStopped, static_cast<double>(stopped),
                                  are_many || dynamics().measureLag() > kFarBehind * dynamics().activity().spacing()))
-    appendNotice(
-        begun,
-        "parts of the surface meet faster, or press harder, than the springs of contact can stop: contact limits the motion of "
-        "points, which takes energy (statistics: stopped_points); slower paths of what pushes and holds, and more room "
-        "between, help");
+    appendNotice(begun,
+                 "parts meet faster, or press harder, than the springs of contact can stop: contact limits the motion of "
+                 "points, which takes energy (statistics: stopped_points); slower paths of what pushes and holds, and more room "
+                 "between, help");
   if (report.halted > kHaltedShare * report.substeps && lasting.see(Lasting::kHalted)) appendNotice(begun, describeHalt(report));
   if (taken.retried.kind != solve::StepFailure::Kind::kNone && lasting.see(Lasting::kRetried))
     appendNotice(begun, describeRetry(taken.retried, taken.is_retried_implicitly, report.substeps));

@@ -17,7 +17,7 @@ std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, 
     return report.unbalanced < kFar ? "contact limits the motion of points, which can keep it from a balance"
                                     : "contact limits the motion of points and carries what is unbalanced";
   if (!(report.unbalanced < kFar))
-    return "far from balance, as under forces that the surface cannot carry: smaller forces, " +
+    return "far from balance, as under forces that are too large to carry: smaller forces, " +
            (is_static ? "more integrator.max_iterations or " : smaller) + "a reset may help";
   if (report.is_out_of_iterations) return "more integrator.max_iterations or a larger integrator.tolerance end this";
   return std::string("no iteration came nearer, as where a surface folds: a larger integrator.tolerance ends this") +
@@ -94,7 +94,7 @@ std::string describeRefusal(const solve::StepFailure& failure, IntegratorType ch
 }
 
 std::string describeHalt(const solve::SolveReport& report) {
-  return "parts of the surface press on each other so hard, or are so fast, that keeping them from crossing took all motion "
+  return "parts press on each other so hard, or are so fast, that keeping them from crossing took all motion "
          "within them in " +
          std::to_string(report.halted) + " of " + std::to_string(report.substeps) +
          " sub-steps of this step (statistics: halted_steps)";

@@ -104,10 +104,9 @@ TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
     return notice.substr(notice.find(';') + 2);
   };
   report.unbalanced = 0.5;
-  EXPECT_EQ(
-      adviceOf(true),
-      "far from balance, as under forces that the surface cannot carry: smaller forces, more integrator.max_iterations or a "
-      "reset may help");
+  EXPECT_EQ(adviceOf(true),
+            "far from balance, as under forces that are too large to carry: smaller forces, more integrator.max_iterations or a "
+            "reset may help");
   report.unbalanced = 0.001;
   EXPECT_EQ(adviceOf(true), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance ends this");
   EXPECT_EQ(
