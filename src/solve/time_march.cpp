@@ -19,6 +19,9 @@ constexpr double kWider = 1.2;          // by which the stable step must exceed 
 constexpr Index kWideFor = 100;         // steps with less stretch before they are tried: that of a swing comes and goes faster
 constexpr double kSmallestShare = 0.1;  // of the safe sub-step in the last retry of a step that was not sound
 constexpr double kBold = 1.8;           // of the safe sub-step, which is half of the stable one: smooth motion allows it
+// The same near damped contact, which sets in at once. Of twelve undamped blocks that bounce (300 and 343 points), nine lost
+// their energy's calm with 1.8, none with 1.6. Twisted strips that jam move 1.5 to 2 times as fast with 1.8.
+constexpr double kBoldInContact = 1.6;
 // Of the energy in motion and stretch: largest error of the account for bold steps to go on.
 constexpr double kCalm = 0.01;
 constexpr double kCalmSlow = 0.001;  // the same for outer steps: their resonances then heat the surface by no more
@@ -393,7 +396,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   // Where forces dissipate by an unknown amount, as friction does, the account of energy does not show resonances.
   const bool is_accounted = !system_.mayDissipateInForces(time, params_.time_step, state);
   most_inner_ = bold && memory_.cautious_slow == 0 && is_accounted ? kMostInner : 1;
-  report = advance(time, bold ? kBold : 1.0, state);
+  const bool is_near_contact = system_.hasSplitLoads() && memory_.loads_at_estimate > 0.0;
+  report = advance(time, bold ? is_near_contact ? kBoldInContact : kBold : 1.0, state);
   bool sound = isSound(time, report, state);
   if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {
     memory_.cautious_slow = std::max(memory_.cautious_slow, kCautious);
