@@ -91,8 +91,7 @@ void System::computeSlowForces(const State& state, Points& forces) const {
 }
 
 void System::addLoadsOnAll(double time, const State& state, Points& forces) const {
-  for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
-  confine(forces);
+  addLoadsOnAll(time, state, Loads::kAll, forces);
 }
 
 void System::addLoadsOnAll(double time, const State& state, Loads which, Points& forces) const {

@@ -18,10 +18,10 @@ class ExternalLoad {
   /// Potential of the load, J, where it has one (its forces are minus the gradient). Meaningless if !isConservative().
   virtual double potential(double /*time*/, const model::State& /*state*/) const { return 0.0; }
   virtual bool isConservative() const { return false; }
-  /// Whether its forces damp contact. How strongly is chosen for stability, and not known from measurements: Verlet takes them in
-  /// a way of first order that leaves its stable step as long as without them. See VelocityVerlet.
+  /// Whether its forces damp contact. The strength of this damping is a choice, and no measured property. So Verlet may take it
+  /// with accuracy of first order, which leaves the stable step as long as without it: see VelocityVerlet.
   virtual bool isSplitOff() const { return false; }
-  /// Adds the forces of a load that is split off as they would be if nothing moved, N: those of its springs.
+  /// For such a load: adds the forces that it would have if nothing moved, N. These are the forces of its springs.
   virtual void addForcesAtRest(double /*time*/, const model::State& /*state*/, Points& /*forces*/) const {}
   /// Whether the load may take energy out of the motion within a time (s) from a state on. A load that acts only near the points
   /// may say no where it is far.
