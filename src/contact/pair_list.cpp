@@ -117,8 +117,11 @@ bool PairList::areFar(const Points& positions, const Points& next, const Reach& 
   if (edges_.empty()) return true;
   if (!(nearest_ >= reach.least) || cover_ != cover || (cover && revision_ != cover->revision())) return false;
   const double way = &positions == &next ? 0.0 : findLargestRelativeWay(positions, next);
-  return nearest_ - findLargestRelativeWay(seen_at_, positions) >= reach.of(way);
+  return findNearestAt(positions) >= reach.of(way);
 }
+
+// m, a bound of the distance of all pairs that the cover does not hold.
+double PairList::findNearestAt(const Points& positions) const { return nearest_ - findLargestRelativeWay(seen_at_, positions); }
 
 double PairList::findLargestLocalWay(const Points& from, const Points& to) {
   patches_.measureWays(from, to, next_ways_);
@@ -129,7 +132,10 @@ double PairList::findLargestLocalWay(const Points& from, const Points& to) {
 
 void PairList::update(const Points& positions, const Points& next, const Reach& reach, const Cover* cover) {
   are_far_ = areFar(positions, next, reach, cover);
-  if (are_far_) return;
+  if (are_far_) {
+    apart_now_ = edges_.empty() ? std::numeric_limits<double>::infinity() : findNearestAt(positions);
+    return;
+  }
   const bool rests = &positions == &next;
   update(positions, reach, cover, rests ? 0.0 : findLargestRelativeWay(positions, next), [&] {
     if (rests)
@@ -149,7 +155,7 @@ void PairList::update(const Points& positions, const std::vector<double>& ways, 
 template <class MeasureWays>
 void PairList::update(const Points& positions, const Reach& reach, const Cover* cover, double largest,
                       const MeasureWays& measureWays) {
-  const double farthest = reach.of(largest), gone = at_.empty() ? 0.0 : findLargestRelativeWay(at_, positions);
+  const double farthest = reach.of(largest) + reach.spare, gone = at_.empty() ? 0.0 : findLargestRelativeWay(at_, positions);
   if (at_.empty()) at_ = positions;
   findOpen(cover);
   patches_.measureWays(at_, positions, open_patches_, ways_);
@@ -186,7 +192,7 @@ void PairList::update(const Points& positions, const Reach& reach, const Cover* 
 // apart: m, of patches that are no couple.
 void PairList::rememberNearest(const Points& positions, double apart) {
   seen_at_ = positions;
-  nearest_ = apart;
+  nearest_ = apart_now_ = apart;
   for (const Index open : open_) nearest_ = std::min(nearest_, couples_[open].nearest - couples_[open].gone);
 }
 

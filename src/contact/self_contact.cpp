@@ -50,7 +50,7 @@ void SelfContact::setRate(double rate) {
 void SelfContact::forgetNear() {
   near_.clear();
   measured_at_.clear();
-  measured_reach_ = 0.0;
+  measured_way_ = -1.0;
   watch_.forget();
 }
 
@@ -60,28 +60,29 @@ bool SelfContact::findCrossed(const Points& positions) {
   return has_changed;
 }
 
-// Pairs nearer than reach, or than the thickness.
-const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positions, double reach) {
-  reach = std::max(reach, list_.thickness());
-  if (reach <= measured_reach_ && positions == measured_at_) return near_;
+const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positions, double way) {
+  if (way <= measured_way_ && positions == measured_at_) return near_;
+  way = std::max(way, usual_way_);
   near_.clear();
+  const double reach = list_.largestReachFor(way);
   const bool is_near = reach <= clearance_.distance();
   if (!is_near || !clearance_.isApartAt(positions)) {
-    const auto add = [&](const Pair& pair, double, std::vector<Near>& near) {
-      const Closest closest = findClosest(pair, positions);
-      const double squared = closest.squaredDistance();
-      if (squared < reach * reach) near.push_back({pair, closest, std::sqrt(squared), weigh(pair, positions)});
+    const auto add = [&](const Pair& pair, const Closest& closest, std::vector<Near>& near) {
+      const double distance = std::sqrt(closest.squaredDistance());
+      if (distance < pair.reachFor(way)) near.push_back({pair, closest, distance, weigh(pair, positions)});
     };
-    if (watch_.ensure(positions, reach)) {
-      watch_.collectNear(reach, near_, near_parts_, add);
+    if (watch_.ensure(positions, way, measured_at_.empty() ? positions : measured_at_, positions)) {
+      watch_.collectNear(positions, way, near_, near_parts_, add);
     } else {
       list_.update(positions, reach, is_near ? clearance_.partsApart(positions) : nullptr);
-      list_.collectNear(near_, near_parts_, add);
+      list_.collectNear(near_, near_parts_, [&](const Pair& pair, double least, std::vector<Near>& near) {
+        if (least < pair.reachFor(way)) add(pair, findClosest(pair, positions), near);
+      });
     }
   }
   findRates();
   measured_at_ = positions;
-  measured_reach_ = reach;
+  measured_way_ = way;
   return near_;
 }
 
@@ -172,19 +173,19 @@ bool SelfContact::staysApart(const Points& before, const Points& after) {
       if (piece < kShortest) return false;
     }
   }
-  const std::vector<Near>& all = measure(after, 0.0);
+  const std::vector<Near>& all = measure(after);
   return std::none_of(all.begin(), all.end(), touches);
 }
 
 Index SelfContact::countTouching(const Points& positions) {
-  const std::vector<Near>& all = measure(positions, 0.0);
+  const std::vector<Near>& all = measure(positions);
   return static_cast<Index>(std::count_if(all.begin(), all.end(), touches));
 }
 
 std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, const Points& velocities,
                                                       const std::vector<PairAnchor>& anchors) {
   std::vector<SelfContactForce> list;
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     const double depth = near.pair.thickness - near.distance;
     Vec3 force = findSpring(near).force / near.distance * near.closest.gap;
@@ -199,7 +200,7 @@ std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, c
 
 double SelfContact::leastDistance(const Points& positions) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Near& near : measure(positions, 0.0))
+  for (const Near& near : measure(positions))
     if (near.distance < near.pair.thickness) least = std::min(least, near.distance);
   return least;
 }

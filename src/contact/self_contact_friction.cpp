@@ -9,9 +9,9 @@ namespace deformable_surface::contact {
 
 SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const {
   const Pair& pair = near.pair;
-  const double spring = stiffness(pair), pressing = findSpring(near).force;
-  const FrictionLaw law{params_.friction * pressing, params_.kinetic_friction * pressing, spring,
-                        2.0 * params_.damping * spring / near.rate};
+  const double pressing = findSpring(near).force;
+  const FrictionLaw law{params_.friction * pressing, params_.kinetic_friction * pressing, near.stiffness,
+                        2.0 * params_.damping * near.stiffness / near.rate};
   const Vec3 normal = near.closest.gap / near.distance;
   const auto at = std::lower_bound(anchors.begin(), anchors.end(), pair,
                                    [](const PairAnchor& a, const Pair& p) { return a.isBefore(p.vertices, p.is_edges); });
@@ -31,7 +31,7 @@ Vec3 SelfContact::findSliding(const Near& near, const Points& velocities) {
 
 void SelfContact::addFriction(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
                               Points& forces) {
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     const Vec3 force = rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slid);
@@ -41,7 +41,7 @@ void SelfContact::addFriction(const Points& positions, const Points& velocities,
 
 void SelfContact::addFrictionAtRest(const Points& positions, const std::vector<PairAnchor>& anchors, Points& forces) {
   if (anchors.empty()) return;
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     if (!rub.anchor) continue;
@@ -57,8 +57,9 @@ double SelfContact::frictionEnergy(const Points& positions, const std::vector<Pa
     Pair pair{anchor.vertices, anchor.is_edges, 0.0};
     pair.thickness = list_.thicknessOf(pair);
     const Closest closest = findClosest(pair, positions);
-    const Near near{pair, closest, std::sqrt(closest.squaredDistance()), weigh(pair, positions), rateOf(pair)};
+    Near near{pair, closest, std::sqrt(closest.squaredDistance()), weigh(pair, positions)};
     if (!touches(near)) continue;
+    setSpring(near);
     const Rub rub = findRub(near, positions, anchors);
     sum += rub.law.storedEnergy(rub.stretch);
   }
@@ -67,7 +68,7 @@ double SelfContact::frictionEnergy(const Points& positions, const std::vector<Pa
 
 void SelfContact::addFrictionStiffness(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
                                        double step, BlockSparse& stiffness_matrix) {
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     const double share = rub.law.findShare(rub.stretch, findSliding(near, velocities), rub.slid);
@@ -78,7 +79,7 @@ void SelfContact::addFrictionStiffness(const Points& positions, const Points& ve
 
 void SelfContact::moveAnchors(const Points& positions, const Points& velocities, double step, std::vector<PairAnchor>& anchors) {
   next_.clear();
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     const Rub rub = findRub(near, positions, anchors);
     Vec3 stretch = rub.stretch;

@@ -3,6 +3,7 @@
 #include "deformable_surface/contact/self_contact.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,6 +13,7 @@ namespace {
 
 // Fraction of the room of a pair that its points may use in one step: below 1, so that rounding causes no crossing.
 constexpr double kOfRoom = 0.9;
+constexpr double kSteady = 1.5;      // growth of the largest way from one call of limit() to the next that costs no search
 constexpr double kAhead = 8.0;       // calls of limit() for which the motion of the present one is predicted
 constexpr int kRounds = 4;           // of passes: the first over all pairs, the others over those that push
 constexpr int kColdRounds = 16;      // if nothing is known of the sub-step before
@@ -61,12 +63,13 @@ SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& 
 
 // Pairs that are farther apart cannot use up their room.
 void SelfContact::findAllApproaches(const Points& before, double longest) {
-  const double reach = kLeast * list_.thickness() + 2.0 / kOfRoom * longest;
+  const double way = 2.0 / kOfRoom * longest;
   approaches_.clear();
-  const std::vector<Near>& all = measure(before, reach);
+  const std::vector<Near>& all = measure(before, way);
   parallelAppend(static_cast<Index>(all.size()), kBlock, approaches_, approach_parts_, [&](Index begin, Index end, auto& list) {
     for (Index k = begin; k < end; ++k)
-      if (all[k].distance < reach && all[k].distance > 0.0) list.push_back(makeApproach(all[k], before));
+      if (all[k].distance < kLeast * all[k].pair.thickness + way && all[k].distance > 0.0)
+        list.push_back(makeApproach(all[k], before));
   });
 }
 
@@ -239,25 +242,39 @@ void SelfContact::moveAsOne(const Points& before, bool does_one_stay, Points& af
 }
 
 bool SelfContact::mustStop(const Points& before, const Points& after, bool continues) {
-  const PairList::Reach reach{kLeast * list_.thickness(), 1.0 / kOfRoom};
   if (staysUncrossed(before, after, continues)) return false;
-  const auto test = [&](const Pair& pair, double least) {
+  const auto waysOf = [&](const Pair& pair) {
     std::array<Vec3, 4> ways;
     for (int v = 0; v < 4; ++v) ways[v] = after[pair.vertices[v]] - before[pair.vertices[v]];
+    return ways;
+  };
+  const auto hasRoom = [](const Pair& pair, double distance, const std::array<Vec3, 4>& ways) {
     double nearing = 0.0;  // squared, at most
     for (int v = 0; v < pair.numFirst(); ++v)
       for (int w = pair.numFirst(); w < 4; ++w) nearing = std::max(nearing, (ways[v] - ways[w]).squaredNorm());
-    nearing = std::sqrt(nearing);
-    const auto isRoomFor = [&](double distance) { return kOfRoom * (distance - kLeast * pair.thickness) > nearing; };
-    if (isRoomFor(least)) return false;
-    const Closest closest = findClosest(pair, before);
-    const Near near{pair, closest, std::sqrt(closest.squaredDistance())};
-    if (!(near.distance > 0.0) || isRoomFor(near.distance)) return false;
-    return findExcess(makeApproach(near, before), ways) > 0.0;
+    return kOfRoom * (distance - kLeast * pair.thickness) > std::sqrt(nearing);
   };
-  const double farthest = reach.of(findLargestRelativeWay(before, after));
-  if (watch_.ensure(before, farthest, &after)) return watch_.isAnyNear(farthest, test);
-  list_.update(before, after, reach);
+  const auto exceedsRoom = [&](const Near& near) {
+    const std::array<Vec3, 4> ways = waysOf(near.pair);
+    return near.distance > 0.0 && !hasRoom(near.pair, near.distance, ways) && findExcess(makeApproach(near, before), ways) > 0.0;
+  };
+  const double way = findLargestRelativeWay(before, after) / kOfRoom;
+  usual_way_ = std::min(kSteady * way, (1.0 - kLeast) * list_.thickness());
+  if (way <= measured_way_ && before == measured_at_) {
+    std::atomic<bool> is_any{false};
+    parallelFor(static_cast<Index>(near_.size()), kBlock, [&](Index begin, Index end) {
+      for (Index k = begin; k < end && !is_any; ++k)
+        if (exceedsRoom(near_[k])) is_any = true;
+    });
+    return is_any;
+  }
+  const auto test = [&](const Pair& pair, double least) {
+    if (hasRoom(pair, least, waysOf(pair))) return false;
+    const Closest closest = findClosest(pair, before);
+    return exceedsRoom({pair, closest, std::sqrt(closest.squaredDistance())});
+  };
+  if (watch_.ensure(before, way, before, after)) return watch_.isAnyNear(way, test);
+  list_.update(before, after, {kLeast * list_.thickness(), 1.0 / kOfRoom});
   return list_.isAnyNear(test);
 }
 

@@ -75,7 +75,7 @@ double SelfContact::findOpening(const Near& near, const Points& velocities) {
 SelfContact::Spring SelfContact::findSpring(const Near& near) const {
   const double depth = near.pair.thickness - near.distance;
   if (!(depth > 0.0)) return {0.0, 0.0, 0.0};
-  const double k = near.weight * stiffness(near.pair);
+  const double k = near.weight * near.stiffness;
   Spring spring{0.5 * k * depth * depth, k * depth, k};
   const double deepest = (1.0 - kLeast) * near.pair.thickness, soft = kSoft * deepest, hard = deepest - soft;
   if (!params_.hardens || depth <= soft) return spring;
@@ -106,7 +106,10 @@ double SelfContact::stiffness(const Pair& pair) const {
   return std::min(full, findPadStiffness(area, params_.compliance));
 }
 
-double SelfContact::rateOf(const Pair& pair) const { return params_.rate * std::sqrt(stiffness(pair) / penalty(pair)); }
+void SelfContact::setSpring(Near& near) const {
+  near.stiffness = stiffness(near.pair);
+  near.rate = params_.compliance > 0.0 ? params_.rate * std::sqrt(near.stiffness / penalty(near.pair)) : params_.rate;
+}
 
 // Springs with a point in common add up: where layers lie on each other, up to a hundred bear a point. The critical damping of
 // all grows with the root of their sum. Were each damped by its own, motion in such places would be damped half critically, and
@@ -114,11 +117,10 @@ double SelfContact::rateOf(const Pair& pair) const { return params_.rate * std::
 void SelfContact::findRates() {
   if (!params_.hardens) borne_.assign(masses_.size(), 0.0);
   for (Near& near : near_) {
-    if (!touches(near)) continue;
-    near.rate = rateOf(near.pair);
-    if (params_.hardens) continue;
-    const double k = stiffness(near.pair);
-    for (int v = 0; v < 4; ++v) borne_[near.pair.vertices[v]] += std::abs(near.closest.weight[v]) * k;
+    if (!(near.distance < near.pair.thickness)) continue;
+    setSpring(near);
+    if (params_.hardens || !touches(near)) continue;
+    for (int v = 0; v < 4; ++v) borne_[near.pair.vertices[v]] += std::abs(near.closest.weight[v]) * near.stiffness;
   }
   if (params_.hardens) return;
   for (Near& near : near_) {
@@ -137,7 +139,7 @@ double SelfContact::ownCompliance() const {
 }
 
 void SelfContact::addForces(const Points& positions, Points& forces) {
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     const Pair& pair = near.pair;
     const Vec3 force = findSpring(near).force / near.distance * near.closest.gap;
@@ -147,28 +149,28 @@ void SelfContact::addForces(const Points& positions, Points& forces) {
 }
 
 void SelfContact::addDampingForces(const Points& positions, const Points& velocities, Points& forces) {
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     const Pair& pair = near.pair;
     const Vec3 normal = near.closest.gap / near.distance;
-    const Vec3 force = -2.0 * findDamping(near).share * stiffness(pair) / near.rate * findOpening(near, velocities) * normal;
+    const Vec3 force = -2.0 * findDamping(near).share * near.stiffness / near.rate * findOpening(near, velocities) * normal;
     for (int v = 0; v < 4; ++v) forces[pair.vertices[v]] += near.closest.weight[v] * force;
   }
 }
 
 double SelfContact::potential(const Points& positions) {
   double sum = 0.0;
-  for (const Near& near : measure(positions, 0.0)) sum += findSpring(near).energy;
+  for (const Near& near : measure(positions)) sum += findSpring(near).energy;
   return sum;
 }
 
 void SelfContact::addStiffness(const Points& positions, const Points& velocities, double step, BlockSparse& stiffness_matrix) {
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     double along = findSpring(near).stiffness;
     if (step > 0.0) {
       const Damping damping = findDamping(near);
-      along += 2.0 * stiffness(near.pair) / near.rate * (damping.share / step - damping.onset * findOpening(near, velocities));
+      along += 2.0 * near.stiffness / near.rate * (damping.share / step - damping.onset * findOpening(near, velocities));
     }
     const Vec3 normal = near.closest.gap / near.distance;
     addToMatrix(near, std::max(0.0, along) * normal * normal.transpose(), stiffness_matrix);
@@ -177,7 +179,7 @@ void SelfContact::addStiffness(const Points& positions, const Points& velocities
 
 // The absolute weights of a pair sum to two.
 void SelfContact::addStiffnessBounds(const Points& positions, std::vector<double>& bounds) {
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
     for (int v = 0; v < 4; ++v)
       bounds[near.pair.vertices[v]] += 2.0 * std::abs(near.closest.weight[v]) * findSpring(near).stiffness;
@@ -185,9 +187,9 @@ void SelfContact::addStiffnessBounds(const Points& positions, std::vector<double
 }
 
 void SelfContact::addDampingBounds(const Points& positions, std::vector<double>& bounds) {
-  for (const Near& near : measure(positions, 0.0)) {
+  for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
-    const double full = 2.0 * params_.damping / near.rate * stiffness(near.pair);
+    const double full = 2.0 * params_.damping / near.rate * near.stiffness;
     for (int v = 0; v < 4; ++v) bounds[near.pair.vertices[v]] += 2.0 * std::abs(near.closest.weight[v]) * full;
   }
 }

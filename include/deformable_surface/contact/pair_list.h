@@ -23,7 +23,12 @@ struct Pair {
   bool is_edges;
   double thickness;  // m: nearer parts repel each other; that of the surface, but below their distance at rest
 
+  // Of the thickness: parts that move come no nearer.
+  static constexpr double kLeast = 0.5;
+
   Index numFirst() const { return is_edges ? 2 : 1; }  // vertices of the first primitive
+  /// m: a pair that is farther apart does not touch, nor would it come too near on a relative way, m.
+  double reachFor(double way) const { return std::max(thickness, kLeast * thickness + way); }
 };
 
 inline Closest findClosest(const Pair& pair, const Points& positions) {
@@ -44,6 +49,7 @@ class PairList {
     double least;                                           // m
     double of_way = 0.0;                                    // of a bound of the relative way of the pair's patches
     double most = std::numeric_limits<double>::infinity();  // m
+    double spare = 0.0;                                     // m, by which patches that are no couple shall be farther apart
 
     double of(double way) const { return std::min(most, least + of_way * way); }
   };
@@ -79,16 +85,24 @@ class PairList {
   /// bound of their distance there. The order does not depend on when the lists were built.
   template <class Visit>
   void visitNear(const Visit& visit) {
-    if (!are_far_) num_visits_ += visitNear(0, static_cast<Index>(open_.size()), visit);
+    if (are_far_) return;
+    num_visits_ +=
+        visitNear(0, static_cast<Index>(open_.size()), [&](Index, const Pair& pair, double least) { visit(pair, least); });
   }
   /// Calls visit(pair, least, list) for the same pairs, by all threads, and appends to `to` what it appends to the list. In the
   /// order of visitNear().
   template <class Item, class Visit>
   void collectNear(std::vector<Item>& to, AppendedParts<Item>& parts, const Visit& visit) {
+    collectByCouple(to, parts, [&](Index, const Pair& pair, double least, auto& list) { visit(pair, least, list); });
+  }
+  /// The same with the number of the pair's couple, as visitCouples() tells it: visit(couple, pair, least, list).
+  template <class Item, class Visit>
+  void collectByCouple(std::vector<Item>& to, AppendedParts<Item>& parts, const Visit& visit) {
     if (are_far_) return;
     std::atomic<std::size_t> num_visits{0};
     parallelAppend(static_cast<Index>(open_.size()), kCouplesAtOnce, to, parts, [&](Index begin, Index end, auto& list) {
-      num_visits += visitNear(begin, end, [&](const Pair& pair, double least) { visit(pair, least, list); });
+      num_visits +=
+          visitNear(begin, end, [&](Index couple, const Pair& pair, double least) { visit(couple, pair, least, list); });
     });
     num_visits_ += num_visits;
   }
@@ -99,13 +113,27 @@ class PairList {
     std::atomic<bool> is_any{false};
     std::atomic<std::size_t> num_visits{0};
     parallelFor(static_cast<Index>(open_.size()), kCouplesAtOnce, [&](Index begin, Index end) {
-      num_visits += visitNear(begin, end, [&](const Pair& pair, double least) {
+      num_visits += visitNear(begin, end, [&](Index, const Pair& pair, double least) {
         if (!is_any && test(pair, least)) is_any = true;
       });
     });
     num_visits_ += num_visits;
     return is_any;
   }
+  /// Calls visit(number, one, other, nearest, way) for the couples of near patches: nearest: m, a lower bound of the distance of
+  /// their pairs at the positions of the last update(); way: m, a bound of their relative way from there on. In the order of
+  /// visitNear().
+  template <class Visit>
+  void visitCouples(const Visit& visit) const {
+    if (are_far_) return;
+    for (const Index k : open_) {
+      const Couple& couple = couples_[k];
+      visit(k, couple.one, couple.other, couple.nearest - couple.gone,
+            next_ways_[couple.one].findRelative(next_ways_[couple.other]));
+    }
+  }
+  /// m: patches that are no such couple are farther apart at the positions of the last update(). Without a cover.
+  double apart() const { return apart_now_; }
   /// Calls visit(pair) for pairs that were near at some time, without a search; not for those that the cover holds. Any may be
   /// missing.
   template <class Visit>
@@ -120,6 +148,8 @@ class PairList {
   double thicknessOf(const Pair& pair) const;
   const Patches& patches() const { return patches_; }
   double thickness() const { return thickness_; }
+  /// m, of all pairs: see Pair::reachFor().
+  double largestReachFor(double way) const { return std::max(thickness_, Pair::kLeast * thickness_ + way); }
   double medianEdge() const { return median_edge_; }  // m, at rest
   /// Number of triangles that are crossed by edges of others, at rest or at the last findCrossed().
   Index numCrossed() const { return num_crossed_; }
@@ -169,7 +199,7 @@ class PairList {
         const double least = listed.distance - couple.gone;
         if (!(least < couple.reach)) continue;
         ++num_visits;
-        visit(listed.pair, least);
+        visit(open_[k], listed.pair, least);
       }
     }
     return num_visits;
@@ -181,6 +211,7 @@ class PairList {
   void update(const Points& positions, const Reach& reach, const Cover* cover, double largest, const MeasureWays& measureWays);
   void findCouples(const Points& positions, double reach);
   void findOpen(const Cover* cover);
+  double findNearestAt(const Points& positions) const;
   void rememberNearest(const Points& positions, double apart);
   void markExpired(const Reach& reach);
   void measureAgain(const Points& positions);
@@ -217,7 +248,8 @@ class PairList {
   bool are_far_ = false;             // no pair is within the reach of the last update()
   std::vector<char> is_open_;        // (patches), scratch
   std::vector<Index> near_patches_;  // scratch
-  double apart_ = -1.0;              // m: patches that are no couple are farther apart
+  double apart_ = -1.0;              // m: patches that are no couple are farther apart at at_
+  double apart_now_ = -1.0;          // m: see apart()
   std::vector<Couple*> expired_;     // to be searched
   AppendedParts<Index> open_parts_;  // scratch
   AppendedParts<Couple*> expired_parts_;

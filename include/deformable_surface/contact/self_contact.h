@@ -141,14 +141,16 @@ class SelfContact {
  private:
   // Fraction of a pair's thickness: limit() lets parts that move come no nearer; where collisions have not settled, no nearer
   // than half of that.
-  static constexpr double kLeast = 0.5, kFloor = 0.25;
+  static constexpr double kLeast = Pair::kLeast, kFloor = 0.25;
 
   struct Near {
     Pair pair;
     Closest closest;
     double distance;
     double weight = 1.0;  // of the pair's spring: below 1 for nearly parallel edges if springs harden
-    double rate = 0.0;    // 1/s, of the oscillation that damping is a share of the critical one of; only of pairs that touch
+    // Only of pairs that touch. N/m, of a spring with weight 1, and 1/s, of the oscillation that damping is a share of the
+    // critical one of.
+    double stiffness = 0.0, rate = 0.0;
   };
   // A near pair, projected on its gap.
   struct Approach {
@@ -196,11 +198,13 @@ class SelfContact {
   static bool touches(const Near& near) { return near.distance < near.pair.thickness && near.distance > 0.0; }
   /// Adds the block, given at the gap, to the blocks of the pair's vertices.
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
-  const std::vector<Near>& measure(const Points& positions, double reach);
+  /// The pairs that touch, or may come too near on a relative way, m.
+  const std::vector<Near>& measure(const Points& positions, double way = 0.0);
   double penalty(const Pair& pair) const;    // N/m, without a pad
   double stiffness(const Pair& pair) const;  // N/m
-  double rateOf(const Pair& pair) const;     // 1/s, of the least mass on a spring of this stiffness
-  /// Sets Near::rate.
+  /// Sets Near::stiffness, and Near::rate to that of the least mass on this spring.
+  void setSpring(Near& near) const;
+  /// Sets Near::stiffness and Near::rate.
   void findRates();
   struct Spring {
     double energy, force, stiffness;  // J, N, N/m
@@ -246,7 +250,8 @@ class SelfContact {
   const std::vector<double> masses_;
   SelfContactParams params_;
   Points measured_at_;
-  double measured_reach_ = 0.0;
+  double measured_way_ = -1.0;  // m, for which near_ is complete; negative: it is not
+  double usual_way_ = 0.0;      // m, from one call of limit() to the next
   std::vector<Near> near_;
   std::vector<double> borne_;  // (n) N/m, scratch: of all springs at a point
   AppendedParts<Near> near_parts_;
