@@ -52,6 +52,12 @@ bool isExplicit(IntegratorType type) {
   return type == IntegratorType::kVerlet || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
 }
 
+// The length of sub-steps over that of safe ones.
+double findBoldness(const System& system, const TimeMarch::Memory& memory) {
+  if (memory.cautious > 0) return 1.0;
+  return system.hasSplitLoads() && memory.loads_at_estimate > 0.0 ? kBoldInContact : kBold;
+}
+
 void add(const SolveReport& part, SolveReport& total) {
   total.finite = part.finite;
   total.converged = total.converged && part.converged;
@@ -125,7 +131,7 @@ void TimeMarch::chooseIntegrator(Outcome& outcome) {
     wanted = IntegratorType::kVerlet;  // there is no implicit method
   } else if (wanted == IntegratorType::kAuto) {
     const Index substeps = countSubsteps(params_.time_step, memory_.max_substep);
-    const Index likely = countSubsteps(params_.time_step, (memory_.cautious == 0 ? kBold : 1.0) * memory_.max_substep);
+    const Index likely = countSubsteps(params_.time_step, findBoldness(system_, memory_) * memory_.max_substep);
     const bool fits = substeps <= params_.max_substeps || likely <= worthOfImplicit();
     wanted = fits ? IntegratorType::kVerlet : IntegratorType::kImplicit;
     outcome.has_changed_type = wanted != memory_.type && (!fits || memory_.type == IntegratorType::kImplicit);
@@ -396,8 +402,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   // Where forces dissipate by an unknown amount, as friction does, the account of energy does not show resonances.
   const bool is_accounted = !system_.mayDissipateInForces(time, params_.time_step, state);
   most_inner_ = bold && memory_.cautious_slow == 0 && is_accounted ? kMostInner : 1;
-  const bool is_near_contact = system_.hasSplitLoads() && memory_.loads_at_estimate > 0.0;
-  report = advance(time, bold ? is_near_contact ? kBoldInContact : kBold : 1.0, state);
+  report = advance(time, bold ? findBoldness(system_, memory_) : 1.0, state);
   bool sound = isSound(time, report, state);
   if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {
     memory_.cautious_slow = std::max(memory_.cautious_slow, kCautious);

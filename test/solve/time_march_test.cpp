@@ -311,6 +311,29 @@ TEST(TimeMarch, AutoKeepsToImplicitStepsThatTakeLessWork) {
   EXPECT_EQ(changes, 1);
 }
 
+// Near damped contact sub-steps are shorter.
+TEST(TimeMarch, AutoReturnsToVerletOnlyWhereTheSubstepsThatItTakesAreFarLessWork) {
+  int returns = 0;
+  for (double times = 0.5; times < 1.5; times *= 1.03) {
+    March m(1.0);
+    Contacts contacts;
+    contacts.stiffness = 1e-6;
+    const SplitDamper damper(0.0);
+    m.loads = {&contacts, &damper};
+    m.params.max_substeps = 10;
+    m.model.stable_step = 0.02 / (times * kCostOfImplicit);
+    for (int k = 0; k < 40; ++k) {
+      const double work = m.march.memory().implicit_work;
+      const solve::TimeMarch::Outcome taken = m.march.step(0.01 * k, m.state);
+      if (taken.type == solve::IntegratorType::kImplicit) continue;
+      EXPECT_LT(taken.report.substeps, 1.03 * 0.5 * work);
+      ++returns;
+      break;
+    }
+  }
+  EXPECT_GT(returns, 5);
+}
+
 // A spring to the origin that Newton's method does not know of.
 class UnknownSpring : public Rubbing {
  public:
