@@ -254,7 +254,7 @@ TEST(Simulation, AutoFallsBackToImplicitWhenSubstepsDoNotFitAndSaysSo) {
   EXPECT_NE(first.notice.find("implicit"), std::string::npos);
   EXPECT_EQ(s.statistics().substeps, 1u);
   // For so few sub-steps that is far more work.
-  EXPECT_NE(s.step().notice.find("verlet is used again: its "), std::string::npos);
+  EXPECT_NE(s.step().notice.find("verlet is used again: it may need "), std::string::npos);
   EXPECT_GT(s.statistics().substeps, 1u);
   EXPECT_TRUE(s.step().notice.empty());
 }
