@@ -42,13 +42,14 @@ Index countSubsteps(double step, double max_substep) {
   return wanted < 1.0 ? 1 : static_cast<Index>(wanted);
 }
 
+double countPasses(const Substeps& cut) { return cut.outer * (cut.inner + kSlowCost) / (1.0 + kSlowCost); }
+
 Substeps chooseSubsteps(double step, double max_substep, double max_slow_step, Index most_inner) {
   const Index needed = countSubsteps(step, max_substep);
   Substeps best{needed, 1};
-  const auto cost = [](const Substeps& s) { return s.outer * (s.inner + kSlowCost); };
   for (Index inner = 2; inner <= std::min(most_inner, needed); ++inner) {
     const Substeps cut{(needed - 1) / inner + 1, inner};
-    if (cut.outer >= countSubsteps(step, max_slow_step) && cost(cut) < cost(best)) best = cut;
+    if (cut.outer >= countSubsteps(step, max_slow_step) && countPasses(cut) < countPasses(best)) best = cut;
   }
   return best;
 }
@@ -257,6 +258,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   const Substeps cut = chooseSubsteps(step, max_substep, max_slow_step_, has_slow ? most_inner_ : 1);
   SolveReport report;
   report.substeps = cut.outer * cut.inner;
+  report.passes = countPasses(cut);
   const double dt = step / report.substeps;
   const double half_decay = std::exp(-0.5 * system.damping() * dt);
   const MotionLimit* const limit = system.motionLimit();

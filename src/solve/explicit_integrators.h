@@ -10,6 +10,9 @@
 
 namespace deformable_surface::solve {
 
+/// Work of Verlet's sub-steps, in evaluations of all forces.
+double countPasses(const Substeps& cut);
+
 /// x += dt v; v += dt a(x), both from the old state, one step [Su 2007, sec. 4.4]. It amplifies every undamped mode in
 /// every step. It exists for comparison with the paper.
 class ExplicitEuler : public Integrator {

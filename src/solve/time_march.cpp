@@ -1,6 +1,7 @@
 #include "deformable_surface/solve/time_march.h"
 
 #include "deformable_surface/base/params.h"
+#include "explicit_integrators.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,6 +57,13 @@ bool isExplicit(IntegratorType type) {
 double findBoldness(const System& system, const TimeMarch::Memory& memory) {
   if (memory.cautious > 0) return 1.0;
   return system.hasSplitLoads() && memory.loads_at_estimate > 0.0 ? kBoldInContact : kBold;
+}
+
+// Work of Verlet's sub-steps over a time (s), in evaluations of all forces. Infinite if they are too many to be taken.
+double countVerletPasses(double time, double share, Index most_inner, const System& system, const TimeMarch::Memory& memory) {
+  if (countSubsteps(time, share * memory.max_substep) > kHopeless) return std::numeric_limits<double>::infinity();
+  return countPasses(chooseSubsteps(time, share * memory.max_substep, kSlowShare * share * memory.max_slow_step,
+                                    system.hasSlowForces() ? most_inner : 1));
 }
 
 void add(const SolveReport& part, SolveReport& total) {
@@ -131,8 +139,9 @@ void TimeMarch::chooseIntegrator(Outcome& outcome) {
     wanted = IntegratorType::kVerlet;  // there is no implicit method
   } else if (wanted == IntegratorType::kAuto) {
     const Index substeps = countSubsteps(params_.time_step, memory_.max_substep);
-    const Index likely = countSubsteps(params_.time_step, findBoldness(system_, memory_) * memory_.max_substep);
-    const bool fits = substeps <= params_.max_substeps || likely <= worthOfImplicit();
+    const double share = findBoldness(system_, memory_);
+    const double passes = countVerletPasses(params_.time_step, share, most_inner_, system_, memory_);
+    const bool fits = substeps <= params_.max_substeps || passes <= worthOfImplicit();
     wanted = fits ? IntegratorType::kVerlet : IntegratorType::kImplicit;
     outcome.has_changed_type = wanted != memory_.type && (!fits || memory_.type == IntegratorType::kImplicit);
     outcome.verlet_substeps = substeps;
@@ -140,11 +149,10 @@ void TimeMarch::chooseIntegrator(Outcome& outcome) {
   outcome.type = memory_.type = wanted;
 }
 
-// Sub-steps up to which auto takes Verlet though they are more than max_substeps. Verlet is left once it is more work than
+// Work up to which auto takes Verlet though its sub-steps are more than max_substeps. Verlet is left once it is more work than
 // implicit steps were, and these are left where they are far more work, so that auto keeps to one of them.
 double TimeMarch::worthOfImplicit() const {
-  const double times = memory_.type == IntegratorType::kImplicit ? kCostly : 1.0;
-  return std::min<double>(memory_.implicit_work / times, kHopeless);
+  return memory_.implicit_work / (memory_.type == IntegratorType::kImplicit ? kCostly : 1.0);
 }
 
 // After a step that succeeded.
@@ -247,7 +255,8 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   for (;;) {
     const Index left = countSubsteps(part - done, share * memory_.max_substep);
     // The surface has become too stiff within the step: the whole step has to be taken implicitly.
-    is_too_stiff_ = may_be_implicit && total.substeps + left > std::max<double>(params_.max_substeps, worthOfImplicit());
+    is_too_stiff_ = may_be_implicit && total.substeps + left > params_.max_substeps &&
+                    total.passes + countVerletPasses(part - done, share, most_inner_, system_, memory_) > worthOfImplicit();
     if (!is_too_stiff_ && left > kHopeless) substeps_needed_ = left;
     if (is_too_stiff_ || substeps_needed_ > 0 || isInterrupted()) return total;
     const double portion = left <= kPortion ? part - done : (part - done) * kPortion / left;
@@ -394,14 +403,16 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     lengthenSubsteps(time, state);
   }
   max_substep_before_ = memory_.max_substep;
+  // Outer steps for slow forces, as long as they keep the energy. Where forces dissipate by an unknown amount, as friction does,
+  // its account does not show resonances.
+  const bool is_accounted = !system_.mayDissipateInForces(time, params_.time_step, state);
+  most_inner_ = memory_.cautious == 0 && memory_.cautious_slow == 0 && is_accounted ? kMostInner : 1;
   chooseIntegrator(outcome);
 
-  // Bold sub-steps, and outer steps for slow forces, as long as they keep the energy.
+  // Bold sub-steps, on the same condition.
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
   const bool bold = memory_.cautious == 0 && has_substeps;
-  // Where forces dissipate by an unknown amount, as friction does, the account of energy does not show resonances.
-  const bool is_accounted = !system_.mayDissipateInForces(time, params_.time_step, state);
-  most_inner_ = bold && memory_.cautious_slow == 0 && is_accounted ? kMostInner : 1;
+  if (!bold) most_inner_ = 1;
   report = advance(time, bold ? findBoldness(system_, memory_) : 1.0, state);
   bool sound = isSound(time, report, state);
   if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {

@@ -304,11 +304,23 @@ TEST(TimeMarch, AutoTriesImplicitStepsAgainWhenItsKnowledgeOfTheirWorkIsOld) {
 
 TEST(TimeMarch, AutoKeepsToImplicitStepsThatTakeLessWork) {
   March m(1.0);
+  const Rubbing rubbing;  // so that slow forces act in every sub-step
+  m.loads.push_back(&rubbing);
   m.params.max_substeps = 10;
   m.model.stable_step = 0.02 / (2 * kCostOfImplicit);
   const auto [types, changes] = findTypes(m, 300);
   EXPECT_EQ(count(types, solve::IntegratorType::kImplicit), 300);
   EXPECT_EQ(changes, 1);
+}
+
+// Slow forces act once in eight sub-steps there: these are a third of the work.
+TEST(TimeMarch, AutoCountsSubstepsWithoutSlowForcesAsLessWork) {
+  March m(1.0);
+  m.params.max_substeps = 10;
+  m.model.stable_step = 0.02 / (2 * kCostOfImplicit);
+  const auto [types, changes] = findTypes(m, 100);
+  EXPECT_GE(count(types, solve::IntegratorType::kVerlet), 80);
+  EXPECT_EQ(changes, 2);
 }
 
 // Near damped contact sub-steps are shorter.
@@ -334,6 +346,15 @@ TEST(TimeMarch, AutoReturnsToVerletOnlyWhereTheSubstepsThatItTakesAreFarLessWork
   EXPECT_GT(returns, 5);
 }
 
+TEST(TimeMarch, AutoNeverReturnsToMoreThanAMillionSubsteps) {
+  March m(1.0);
+  m.model.stable_step = 0.02 / 2e6;
+  solve::TimeMarch::Memory memory = m.march.memory();
+  memory.implicit_work = 1e9;
+  m.march.setMemory(memory);
+  EXPECT_EQ(m.march.step(0.0, m.state).type, solve::IntegratorType::kImplicit);
+}
+
 // A spring to the origin that Newton's method does not know of.
 class UnknownSpring : public Rubbing {
  public:
@@ -348,7 +369,7 @@ TEST(TimeMarch, AutoKeepsToImplicitStepsThroughOneThatTakesFarMoreWork) {
   UnknownSpring spring;
   m.loads.push_back(&spring);
   m.params.max_substeps = 10;
-  m.model.stable_step = 0.02 / (1.5 * kCostOfImplicit);
+  m.model.stable_step = 0.02 / (4 * kCostOfImplicit);
   findTypes(m, 20);
   const double usual = m.march.memory().implicit_work;
   spring.stiffness = 1e4;
