@@ -40,13 +40,13 @@ constexpr Index kPortion = 32;      // sub-steps between two looks at the stable
 // Parts of an implicit step in which something breaks: others must bear its share, or no longer, before they break, too. In
 // jerked sheets of 1000 points with steps of 10 ms as many links tear as with steps of 1.25 ms.
 constexpr Index kBreakingParts = 8;
-// Implicit steps are left where they take so many times the work of Verlet's sub-steps. That is seen after a first step that
-// takes eight times as much, and after five that take four times as much.
+// Auto leaves a method that takes so many times the work of the other. Of implicit steps that is seen after a first one that
+// takes eight times the work of Verlet's sub-steps, and after five that take four times as much.
 constexpr double kCostly = 2.0;
 // Weight of an implicit step in the mean of their work: of the first one, and of others, as single ones may need many iterations.
 constexpr double kLearnFirst = 0.25, kLearn = 0.125;
 // Of that mean, forgotten in each step by Verlet: after 140 steps or more the implicit method is tried again.
-constexpr double kForgetWork = 0.005;
+constexpr double kForgetWork = 0.01;
 constexpr Index kHopeless = 1000000;  // sub-steps in a step: minutes for small surfaces; the step is refused instead
 
 bool isExplicit(IntegratorType type) {
@@ -149,10 +149,10 @@ void TimeMarch::chooseIntegrator(Outcome& outcome) {
   outcome.type = memory_.type = wanted;
 }
 
-// Work up to which auto takes Verlet though its sub-steps are more than max_substeps. Verlet is left once it is more work than
-// implicit steps were, and these are left where they are far more work, so that auto keeps to one of them.
+// Work up to which auto takes Verlet though its sub-steps are more than max_substeps. Each method is left only where it is far
+// more work than the other, so that auto keeps to one of them.
 double TimeMarch::worthOfImplicit() const {
-  return memory_.implicit_work / (memory_.type == IntegratorType::kImplicit ? kCostly : 1.0);
+  return memory_.implicit_work * (memory_.type == IntegratorType::kImplicit ? 1.0 / kCostly : kCostly);
 }
 
 // After a step that succeeded.

@@ -346,6 +346,21 @@ TEST(TimeMarch, AutoReturnsToVerletOnlyWhereTheSubstepsThatItTakesAreFarLessWork
   EXPECT_GT(returns, 5);
 }
 
+TEST(TimeMarch, AutoLeavesVerletOnlyWhereItIsFarMoreWork) {
+  for (const auto& [substeps, type] : {std::pair(150, solve::IntegratorType::kVerlet), {250, solve::IntegratorType::kImplicit}}) {
+    March m(1.0);
+    const Rubbing rubbing;  // so that slow forces act in every sub-step
+    m.loads.push_back(&rubbing);
+    m.params.max_substeps = 10;
+    m.model.stable_step = 0.02 / (1.8 * substeps);
+    solve::TimeMarch::Memory memory = m.march.memory();
+    memory.type = solve::IntegratorType::kVerlet;
+    memory.implicit_work = 100.0;
+    m.march.setMemory(memory);
+    EXPECT_EQ(m.march.step(0.0, m.state).type, type) << substeps;
+  }
+}
+
 TEST(TimeMarch, AutoNeverReturnsToMoreThanAMillionSubsteps) {
   March m(1.0);
   m.model.stable_step = 0.02 / 2e6;
