@@ -18,7 +18,7 @@ struct SolveReport {
   Index halted = 0;  // of these: together, limits of motion (MotionLimit) made more energy than there was motion to take it from
   Index fallbacks = 0;           // of these: taken by another integrator than the chosen one
   Index iterations = 0;          // of Newton's method, or of quasi-Newton steps where these were enough
-  double passes = 0.0;           // of implicit steps: their work, in evaluations of all forces; counted, not timed
+  double passes = 0.0;           // of Verlet and implicit steps: their work, in evaluations of all forces; counted, not timed
   bool is_quasi_newton = false;  // these are the latter, which cost a few passes of forces each
   double residual = 0.0;         // N, the largest unbalanced force on a free point
   double unbalanced = 0.0;  // share of the largest force that was left by searches that did not converge; the largest of them

@@ -46,7 +46,7 @@ class TimeMarch {
     Index cautious_slow = 0;  // steps in which slow forces are still to act in every sub-step
     double heated = 0.0;      // J, that outer steps put into the motion of late, and
     double dissipated = 0.0;  // J, what damping by mass took out of it
-    // Sub-steps of Verlet that are as much work as the implicit steps which auto took of late; 0: there were none.
+    // Work of the implicit steps which auto took of late, in evaluations of all forces; 0: there were none.
     double implicit_work = 0.0;
     EnergyGuard::Memory energy;
   };
