@@ -299,6 +299,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     }
     if (limit) {
       stopped = &limitMotion(system, *limit, dt, half_decay, s == 0, force, state);
+      report.stopped += !stopped->empty();
       report.halted += !stopped->empty() && doAllStay(system, before_, state.positions);
     }
     // Forces at the new place.

@@ -23,6 +23,9 @@ constexpr double kBold = 1.8;           // of the safe sub-step, which is half o
 // The same near damped contact, which sets in at once. Of twelve undamped blocks that bounce (300 and 343 points), nine lost
 // their energy's calm with 1.8, none with 1.6. Twisted strips that jam move 1.5 to 2 times as fast with 1.8.
 constexpr double kBoldInContact = 1.6;
+// The same where points were stopped short in the step before. Eight twisted strips that jam (300 points or so, one run each) take
+// 0.93 of the time that they take with kBoldInContact, with which three of them move twice as fast.
+constexpr double kBoldInJam = 1.35;
 // Of the energy in motion and stretch: largest error of the account for bold steps to go on.
 constexpr double kCalm = 0.01;
 constexpr double kCalmSlow = 0.001;  // the same for outer steps: their resonances then heat the surface by no more
@@ -56,6 +59,7 @@ bool isExplicit(IntegratorType type) {
 // The length of sub-steps over that of safe ones.
 double findBoldness(const System& system, const TimeMarch::Memory& memory) {
   if (memory.cautious > 0) return 1.0;
+  if (memory.was_stopped) return kBoldInJam;
   return system.hasSplitLoads() && memory.loads_at_estimate > 0.0 ? kBoldInContact : kBold;
 }
 
@@ -70,6 +74,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.finite = part.finite;
   total.converged = total.converged && part.converged;
   total.substeps += part.substeps;
+  total.stopped += part.stopped;
   total.halted += part.halted;
   total.fallbacks += part.fallbacks;
   total.iterations += part.iterations;
@@ -107,6 +112,7 @@ void TimeMarch::restart() {
   memory_.estimate_needed = true;
   memory_.max_substep = std::numeric_limits<double>::infinity();
   memory_.wider = 0;
+  memory_.was_stopped = false;
   memory_.cautious = memory_.cautious_slow = 0;
   memory_.heated = memory_.dissipated = 0.0;
   memory_.implicit_work = 0.0;
@@ -475,6 +481,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   if (memory_.type == IntegratorType::kVerlet && (is_too_stiff_ || outcome.is_retried_implicitly))
     report.fallbacks = report.substeps;
   if (params_.type == IntegratorType::kAuto) learnImplicitWork();
+  memory_.was_stopped = report.stopped > 0;
   guard_.commit();
   return outcome;
 }

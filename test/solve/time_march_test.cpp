@@ -95,6 +95,36 @@ TEST(TimeMarch, EstimatesTheStableStepAgainOnceTheStretchHasLongBeenLess) {
   EXPECT_EQ(m.model.num_estimates, 2);
 }
 
+// Names the point as stopped, though it leaves its motion as it is.
+class Stopper : public solve::MotionLimit {
+ public:
+  const std::vector<Index>& limit(const Points&, Points&, bool) const override { return stopped; }
+  const std::vector<Index>& parts() const override { return parts_; }
+
+  std::vector<Index> stopped;
+
+ private:
+  const std::vector<Index> parts_{0};
+};
+
+TEST(TimeMarch, SubstepsAreShorterAfterAStepInWhichPointsWereStopped) {
+  March m(1.0);
+  m.params.time_step = 0.1;
+  Stopper stopper;
+  m.system.setMotionLimit(&stopper);
+  const Index free = m.countSubsteps();
+  stopper.stopped = {0};
+  EXPECT_EQ(m.countSubsteps(), free);
+  const Index jammed = m.countSubsteps();
+  EXPECT_GT(jammed, free);
+  const solve::TimeMarch::Memory memory = m.march.memory();
+  m.march.setMemory(memory);
+  EXPECT_EQ(m.countSubsteps(), jammed);
+  stopper.stopped.clear();
+  EXPECT_EQ(m.countSubsteps(), jammed);
+  EXPECT_EQ(m.countSubsteps(), free);
+}
+
 // Springs to the places of the points, like contacts that begin and end.
 class Contacts : public solve::ExternalLoad {
  public:

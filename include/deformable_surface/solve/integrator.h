@@ -15,7 +15,8 @@ struct SolveReport {
   bool finite = true;     // false: the state is not usable; the caller restores the one before
   bool converged = true;  // implicit and static: the residual fell below the tolerance
   Index substeps = 0;
-  Index halted = 0;  // of these: together, limits of motion (MotionLimit) made more energy than there was motion to take it from
+  Index stopped = 0;  // of these: a limit of motion (MotionLimit) stopped points in them; of Verlet
+  Index halted = 0;   // of these: together, limits of motion (MotionLimit) made more energy than there was motion to take it from
   Index fallbacks = 0;           // of these: taken by another integrator than the chosen one
   Index iterations = 0;          // of Newton's method, or of quasi-Newton steps where these were enough
   double passes = 0.0;           // of Verlet and implicit steps: their work, in evaluations of all forces; counted, not timed
