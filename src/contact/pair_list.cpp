@@ -42,6 +42,28 @@ std::vector<Index> listVertices(Index n, const std::vector<Edge>& edges, bool ta
   return vertices;
 }
 
+// Those of some triangles or edges that were whole and no longer are.
+template <class Part>
+class LostParts {
+ public:
+  // 1: whole; empty: all are.
+  LostParts(const std::vector<Part>& parts, const std::vector<char>& before, const std::vector<char>& now) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const bool was_whole = before.empty() || before[i] != 0;
+      if (was_whole && now[i] == 0) lost_.push_back(parts[i]);
+      comes_back_ = comes_back_ || (!was_whole && now[i] != 0);
+    }
+    std::sort(lost_.begin(), lost_.end());
+  }
+
+  bool holds(const Part& part) const { return std::binary_search(lost_.begin(), lost_.end(), part); }
+  bool comesBack() const { return comes_back_; }
+
+ private:
+  std::vector<Part> lost_;
+  bool comes_back_ = false;  // any that was lost before
+};
+
 }  // namespace
 
 PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double thickness, bool takes_lone_points)
@@ -62,8 +84,9 @@ PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double t
   at_rest_ = crossed_;
 }
 
+// Where nothing comes back, the lists only lose pairs: each tear takes a triangle or two.
 void PairList::keepWhole(const std::vector<char>& is_whole) {
-  is_whole_ = is_whole;
+  const std::vector<char> was_whole = std::exchange(is_whole_, is_whole), was_edge_whole = std::move(is_edge_whole_);
   is_edge_whole_.assign(edges_.size(), 0);
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     if (!is_whole[t]) continue;
@@ -73,7 +96,18 @@ void PairList::keepWhole(const std::vector<char>& is_whole) {
       is_edge_whole_[std::lower_bound(edges_.begin(), edges_.end(), edge) - edges_.begin()] = 1;
     }
   }
-  for (Couple& couple : couples_) couple.radius = -1.0;
+  const LostParts<Triangle> lost(triangles_, was_whole, is_whole_);
+  const LostParts<Edge> lost_edges(edges_, was_edge_whole, is_edge_whole_);
+  const bool comes_back = lost.comesBack() || lost_edges.comesBack();
+  for (Couple& couple : couples_) {
+    if (comes_back) couple.radius = -1.0;
+    std::vector<Listed>& listed = couple.listed;
+    const auto isLost = [&](const Listed& at) {
+      const auto& [a, b, c, d] = at.pair.vertices;
+      return at.pair.is_edges ? lost_edges.holds({a, b}) || lost_edges.holds({c, d}) : lost.holds({b, c, d});
+    };
+    listed.erase(std::remove_if(listed.begin(), listed.end(), isLost), listed.end());
+  }
   nearest_ = -1.0;
   is_enclosed_.clear();
 }

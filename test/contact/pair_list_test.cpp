@@ -287,6 +287,23 @@ TEST(PairList, LeavesOutWhatIsCut) {
   EXPECT_EQ(listNear(list, sheets.points, 0.006), all);
 }
 
+TEST(PairList, SearchesNothingAgainWhenATriangleTears) {
+  const test::Sheets sheets = test::makeSheets(2, 6, 0.004, 0.0005);
+  PairList list(sheets.points, sheets.triangles, 0.002);
+  listNear(list, sheets.points, 0.006);
+  const Index num_searches = list.numSearches();
+  std::vector<char> is_whole(sheets.triangles.size(), 1);
+  test::Sheets rest = sheets;
+  for (std::size_t torn = 0; torn < 5; ++torn) {
+    is_whole[torn] = 0;
+    rest.triangles.erase(rest.triangles.begin());
+    list.keepWhole(is_whole);
+    const Found found = listNear(list, sheets.points, 0.006);
+    EXPECT_EQ(std::set(found.begin(), found.end()), findAll(rest, sheets.points, 0.006));
+  }
+  EXPECT_EQ(list.numSearches(), num_searches);
+}
+
 TEST(PairList, TakesNeighborsForThinnerThanOtherParts) {
   // A fan of thin triangles: the second and the last point are near each other, and joined to the first.
   const Points points{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.001, 0.0}, {1.0, 0.002, 0.0}, {2.0, 0.0, 0.0}, {2.0, 0.002, 0.0}};
