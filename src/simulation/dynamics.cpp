@@ -69,7 +69,7 @@ void Dynamics::makeSelfContact(Made made) {
   if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params_, *rest_, *model_).of_points;
   if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
   const auto make = [&] {
-    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, made.meeting, model_->masses(), meeting);
+    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, made.meeting, *model_, meeting);
   };
   meeting.looks_first = made.looks_first;
   make();
@@ -209,7 +209,7 @@ void Dynamics::placePointsBetween() {
 // The parts of contact that are cut with the surface.
 void Dynamics::followCuts() {
   SelfContactLoads* const self = loads_.self_contact.get();
-  if (self && (evolution_->memory() || self->isCut())) self->followTriangles(trianglesOf(*model_));
+  if (self && (evolution_->memory() || self->isCut())) self->followCut(*model_);
 }
 
 // Positions are new. Looks for what crosses itself, if that is to be pushed apart.

@@ -23,9 +23,9 @@ double findContactThickness(const SceneParams& params, const RestSurface& rest) 
 
 namespace {
 
-// The parts that the whole triangles connect.
-std::vector<Index> labelParts(Index n, const std::vector<contact::Triangle>& triangles, const std::vector<char>& is_whole) {
-  std::vector<std::pair<Index, Index>> links;
+// The parts that links and whole triangles connect. The points within a body are in none of the triangles.
+std::vector<Index> labelParts(Index n, const std::vector<contact::Triangle>& triangles, const std::vector<char>& is_whole,
+                              std::vector<std::pair<Index, Index>> links) {
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (!is_whole[t]) continue;
     links.emplace_back(triangles[t][0], triangles[t][1]);
@@ -37,20 +37,21 @@ std::vector<Index> labelParts(Index n, const std::vector<contact::Triangle>& tri
 
 }  // namespace
 
-SelfContactLoads::SelfContactLoads(const Points& rest, std::shared_ptr<const ContactSkin> skin, const std::vector<double>& masses,
-                                   const contact::SelfContactParams& params)
-    : contact(rest, skin->triangles, masses, params),
-      limit(contact, labelParts(static_cast<Index>(rest.size()), skin->triangles, std::vector<char>(skin->triangles.size(), 1))),
+SelfContactLoads::SelfContactLoads(const Points& rest, std::shared_ptr<const ContactSkin> skin,
+                                   const model::DeformableModel& model, const contact::SelfContactParams& params)
+    : contact(rest, skin->triangles, model.masses(), params),
+      limit(contact, labelParts(static_cast<Index>(rest.size()), skin->triangles, std::vector<char>(skin->triangles.size(), 1),
+                                stretchLinksOf(model))),
       skin_(std::move(skin)),
       is_whole_(skin_->triangles.size(), 1),
       rubs_(params.friction > 0.0) {}
 
-void SelfContactLoads::followTriangles(const std::vector<model::WeightedTriangle>& now) {
-  std::vector<char> is_whole = skin_->findWhole(now);
+void SelfContactLoads::followCut(const model::DeformableModel& model) {
+  std::vector<char> is_whole = skin_->findWhole(trianglesOf(model));
   if (is_whole == is_whole_) return;
   is_whole_ = std::move(is_whole);
   contact.keepWhole(is_whole_);
-  limit.setParts(labelParts(static_cast<Index>(limit.parts().size()), skin_->triangles, is_whole_));
+  limit.setParts(labelParts(static_cast<Index>(limit.parts().size()), skin_->triangles, is_whole_, stretchLinksOf(model)));
 }
 
 void SelfContactLoads::setMemory(const Memory& memory) {

@@ -143,16 +143,16 @@ class SelfContactLimit : public solve::MotionLimit {
 /// Loads and limit of one surface.
 class SelfContactLoads {
  public:
-  /// rest: (n) m; masses: (n) kg. params: the rate is set later.
-  SelfContactLoads(const Points& rest, std::shared_ptr<const ContactSkin> skin, const std::vector<double>& masses,
+  /// rest: (n) m. params: the rate is set later.
+  SelfContactLoads(const Points& rest, std::shared_ptr<const ContactSkin> skin, const model::DeformableModel& model,
                    const contact::SelfContactParams& params);
   SelfContactLoads(const SelfContactLoads&) = delete;
   SelfContactLoads& operator=(const SelfContactLoads&) = delete;
 
   const std::shared_ptr<const ContactSkin>& skin() const { return skin_; }
   bool isCut() const { return std::count(is_whole_.begin(), is_whole_.end(), char{0}) > 0; }
-  /// Leaves out what is no longer among the triangles of the surface.
-  void followTriangles(const std::vector<model::WeightedTriangle>& now);
+  /// Leaves out what is no longer among the triangles of the model.
+  void followCut(const model::DeformableModel& model);
   /// Checks whether the loads may act in a step of this length (s), and chooses how to push crossed parts apart if they are to be
   /// (`untangles`). Returns whether other loads act than before.
   bool beginStep(const model::State& state, double step, bool untangles);

@@ -131,6 +131,20 @@ TEST(SolidContact, IsOnByDefault) {
   }
 }
 
+// What is stopped short, and what then loses energy, is the whole body.
+TEST(SolidContact, PointsWithinABodyBelongToThePartThatIsStopped) {
+  const Points lower = makeBlock(4, 4, Vec3::Zero(), 0.1, 1), upper = makeBlock(4, 4, Vec3(0.0, 0.0, 0.1), 0.1, 2);
+  const simulation::RestSurface rest = simulation::buildRestSurface(makeScene(), join(lower, upper));
+  const auto skin = std::make_shared<const simulation::ContactSkin>(
+      rest.points, simulation::findModel("elastic_solid").findSkin(rest, *rest.model));
+  contact::SelfContactParams params;
+  params.thickness = 0.2 * kSpacing;
+  const simulation::SelfContactLoads loads(rest.points, skin, *rest.model, params);
+  const std::vector<Index>& parts = loads.limit.parts();
+  for (std::size_t i = 0; i < parts.size(); ++i) EXPECT_EQ(parts[i], parts[i < lower.size() ? 0 : lower.size()]) << i;
+  EXPECT_NE(parts.front(), parts.back());
+}
+
 // Without gravity and damping, and so slowly that no point is stopped.
 TEST(SolidContact, BlocksThatCollideKeepTheirMomentumAndGainNoEnergy) {
   SceneParams scene = makeScene();
