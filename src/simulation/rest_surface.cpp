@@ -50,6 +50,7 @@ void noteHalfTurns(const SceneParams& params, RestSurface& s) {
 void addNotes(const SceneParams& params, RestSurface& s) {
   noteHalfTurns(params, s);
   noteUnconstrained(params, s);
+  noteStaticContact(params, s);
   noteFarAnchors(params, s);
   warnOfClosePoints(s);
   noteNarrowGaps(s);

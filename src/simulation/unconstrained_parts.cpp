@@ -199,4 +199,23 @@ void noteUnconstrained(const SceneParams& params, RestSurface& s) {
         "they move freely; input.unconstrained_parts freezes or drops such parts, input.largest_parts leaves small ones out");
 }
 
+void noteStaticContact(const SceneParams& params, RestSurface& s) {
+  if (params.integrator.type != solve::IntegratorType::kStatic || !params.contact.self.valueOr(false)) return;
+  const Parts parts = findSimulatedParts(s);
+  if (parts.count() < 2) return;
+  SceneParams fixed = params;  // without what only touches
+  const auto touches = [](const tool::ToolParams& tool) { return tool.mode != tool::Mode::kMove; };
+  fixed.tools.erase(std::remove_if(fixed.tools.begin(), fixed.tools.end(), touches), fixed.tools.end());
+  const std::vector<char> held = markHeldParts(fixed, parts, s.points);
+  std::vector<char> is_free(parts.count(), 0);
+  for (std::size_t i = 0; i < held.size(); ++i) is_free[parts.label[i]] = !held[i];
+  const Index free = static_cast<Index>(std::count(is_free.begin(), is_free.end(), char{1}));
+  if (free == 0) return;
+  s.notes.push_back("no pin, anchor or gripping tool holds " + count(free, "of ") +
+                    count(parts.count(),
+                          "parts, which can only rest on others or on tools: equilibria have no friction, so that "
+                          "they may slide and have none, and a search can take hundreds of slow iterations; "
+                          "integrator.type auto with material.damping lets them come to rest"));
+}
+
 }  // namespace deformable_surface::simulation

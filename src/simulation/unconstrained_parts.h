@@ -23,4 +23,7 @@ void freezeUnconstrained(const SceneParams& params, RestSurface& s);
 /// Adds to the notes or warnings which simulated parts nothing holds, and what happens to them.
 void noteUnconstrained(const SceneParams& params, RestSurface& s);
 
+/// Adds a note where equilibria are searched in which parts rest on others, which may not exist.
+void noteStaticContact(const SceneParams& params, RestSurface& s);
+
 }  // namespace deformable_surface::simulation

@@ -112,6 +112,25 @@ TEST(SolidContact, AFallingBlockComesToRestOnAnother) {
     }
 }
 
+TEST(SolidContact, EquilibriaOfPartsThatOnlyRestOnOthersAreToldBeforeTheirSearch) {
+  const auto isTold = [](const Fall& fall) {
+    const std::vector<std::string> notes = Simulation(fall.scene, fall.cloud).buildNotes();
+    return std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+      return note.find("1 of 2 parts, which can only rest on others") != std::string::npos;
+    });
+  };
+  Fall fall = makeFall(Type::kStatic, 0.0, 3);
+  EXPECT_TRUE(isTold(fall));
+  fall.scene.contact.self = {};
+  EXPECT_FALSE(isTold(fall));  // it is off
+  fall.scene.contact.self = true;
+  fall.scene.integrator.type = Type::kImplicit;
+  EXPECT_FALSE(isTold(fall));
+  fall.scene.integrator.type = Type::kStatic;
+  fall.scene.pins.front().region.max = Vec3(1.0, 1.0, 1.0);  // all
+  EXPECT_FALSE(isTold(fall));
+}
+
 TEST(SolidContact, IsOnByDefault) {
   for (const Type type : {Type::kVerlet, Type::kImplicit}) {
     Fall fall = makeFall(type, 0.2, 3);
