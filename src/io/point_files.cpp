@@ -109,8 +109,10 @@ cloud::PointCloud readPointFile(const std::string& file, double scale, Index max
     cloud = readXyz(path, max_points);
   } else if (extension == ".obj") {
     cloud = readObj(path, max_points);
+  } else if (extension == ".off") {
+    cloud = readOff(path, max_points);
   } else {
-    refuse(file, "found the extension " + quote(extension) + "; accepted: .pcd, .ply, .obj, .xyz");
+    refuse(file, "found the extension " + quote(extension) + "; accepted: .pcd, .ply, .obj, .off, .xyz");
   }
   // Some writers use all-zero normals for no normals.
   const auto is_zero = [](const Vec3& normal) { return normal == Vec3::Zero(); };

@@ -47,5 +47,6 @@ Table readPcd(const std::string& file, Index max_points);
 Table readPly(const std::string& file, Index max_points);
 cloud::PointCloud readXyz(const std::string& file, Index max_points);
 cloud::PointCloud readObj(const std::string& file, Index max_points);
+cloud::PointCloud readOff(const std::string& file, Index max_points);
 
 }  // namespace deformable_surface::io

@@ -1,8 +1,9 @@
-// Reading text in which a line is a point: plain numbers, and the vertices of a Wavefront object.
+// Reading text in which a line is a point: plain numbers, and the vertices of a Wavefront object or of an OFF file.
 #include "point_files_read.h"
 
 #include "deformable_surface/base/value.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -129,6 +130,36 @@ PointCloud readXyz(const std::string& file, Index max_points) {
     }
   }
   if (!areNormals(cloud.normals)) keepAsFields(cloud);
+  finish(file, cloud);
+  return cloud;
+}
+
+// Only the vertices; what follows their coordinates, colours for example, depends on the first word and on the program that wrote
+// it.
+PointCloud readOff(const std::string& file, Index max_points) {
+  Lines lines(file);
+  const char* line = lines.next();
+  const std::string kind = line ? std::string(line, std::strcspn(line, " \t\r#")) : "";
+  static const char* const kKinds[] = {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
+  if (std::find(std::begin(kKinds), std::end(kKinds), kind) == std::end(kKinds))
+    refuse(file, "begins with " + quote(kind) + "; accepted: OFF, COFF, NOFF and their like, as text");
+  line += kind.size();
+  line += std::strspn(line, kBlanks);
+  if (*line == '\0' || *line == '#') line = lines.next();
+  const std::vector<double> counts = line ? lines.readNumbers(line) : std::vector<double>();
+  const double count = counts.empty() ? 0.0 : counts[0];
+  if (!(count >= 1.0) || count != std::floor(count))
+    lines.refuse("found no number of vertices; accepted: a whole number above 0");
+  PointCloud cloud;
+  while (static_cast<double>(cloud.size()) < count && (line = lines.next())) {
+    const std::vector<double>& row = lines.readNumbers(line);
+    if (row.size() < 3)
+      lines.refuse("found a vertex of " + std::to_string(row.size()) + " numbers; accepted: 3 (x y z) and more");
+    addPosition(row, lines, max_points, cloud);
+  }
+  if (static_cast<double>(cloud.size()) < count)
+    refuse(file,
+           "found " + std::to_string(cloud.size()) + " vertices; accepted: as many as its header says, " + formatReal(count));
   finish(file, cloud);
   return cloud;
 }

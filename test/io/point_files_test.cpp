@@ -293,6 +293,30 @@ TEST_F(PointFiles, RefusesBrokenObjects) {
   EXPECT_TRUE(contains(problem("a.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\n", 2), "at most 2"));
 }
 
+TEST_F(PointFiles, TakesTheVerticesOfAnOffFile) {
+  const std::string rows = "0 0 0\n 1 0 0 0.5 0.5 0.5 1 # a colour\n\n0 1 0\r\n3 0 1 2\n";
+  for (const char* head : {"OFF\n3 1 0\n", "# a triangle\nOFF 3 1 0\n", "COFF # colours\n# counts\n3 1 0\r\n", "NOFF\n3\n"}) {
+    const PointCloud cloud = readPointFile(write("a.off", head + rows), 2.0, kMany);
+    ASSERT_EQ(cloud.size(), 3) << head;
+    EXPECT_EQ(cloud.positions[1], Vec3(2, 0, 0));
+    EXPECT_EQ(cloud.positions[2], Vec3(0, 2, 0));
+    EXPECT_TRUE(cloud.normals.empty());
+  }
+}
+
+TEST_F(PointFiles, RefusesBrokenOffFiles) {
+  EXPECT_TRUE(contains(problem("a.off", ""), "begins with ''"));
+  EXPECT_TRUE(contains(problem("a.off", "3 1 0\n0 0 0\n"), "begins with '3'; accepted: OFF"));
+  EXPECT_TRUE(contains(problem("a.off", "4OFF\n1 0 0\n0 0 0 1\n"), "begins with '4OFF'"));
+  EXPECT_TRUE(contains(problem("a.off", "OFF BINARY\n1 0 0\n"), "line 1: found 'BINARY'"));
+  for (const char* count : {"0", "-1", "1.5", "nan", "inf"})
+    EXPECT_NE(problem("a.off", std::string("OFF\n") + count + " 0 0\n0 0 0\n"), "accepted") << count;
+  EXPECT_TRUE(contains(problem("a.off", "OFF\n"), "no number of vertices"));
+  EXPECT_TRUE(contains(problem("a.off", "OFF\n4000000000 0 0\n0 0 0\n"), "found 1 vertices; accepted: as many"));
+  EXPECT_TRUE(contains(problem("a.off", "OFF\n2 0 0\n0 0 0\n0 0\n"), "line 4: found a vertex of 2 numbers"));
+  EXPECT_TRUE(contains(problem("a.off", "OFF\n3 0 0\n1 2 3\n1 2 3\n1 2 3\n", 2), "at most 2"));
+}
+
 TEST_F(PointFiles, RefusesHeadersThatPromiseMoreThanTheFileHolds) {
   for (const char* count : {"4000000000", "1000000000000", "99999999999999999999", "-1", "1e3", "x"}) {
     for (const char* data : {"ascii", "binary", "binary_compressed"}) {
@@ -330,7 +354,7 @@ TEST_F(PointFiles, RefusesFilesWithoutUsablePositions) {
   EXPECT_TRUE(contains(problem("a.pcd", makePcd("1", "zip", "1 2 3\n")), "'zip'"));
   EXPECT_TRUE(contains(problem("a.pcd", "hello\n"), "'DATA'"));
   EXPECT_TRUE(contains(problem("a.pcd", ""), "no bytes"));
-  EXPECT_TRUE(contains(problem("a.stl", "v 1 2 3"), "'.stl'; accepted: .pcd, .ply, .obj, .xyz"));
+  EXPECT_TRUE(contains(problem("a.stl", "v 1 2 3"), "'.stl'; accepted: .pcd, .ply, .obj, .off, .xyz"));
 }
 
 TEST_F(PointFiles, RefusesPlyHeadersThatPclWouldTrust) {

@@ -36,7 +36,7 @@ std::vector<ToolProblem> findToolProblems(const std::string& model, const tool::
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
   enum class Shape { kNone, kSheet, kStrip, kLattice, kChain, kSine, kSphere, kCap, kTwoBars, kBar };
-  std::string file;            // path or package://deformable_surface/...; .pcd .ply .obj .xyz
+  std::string file;            // path or package://deformable_surface/...; .pcd .ply .obj .off .xyz
   Shape shape = Shape::kNone;  // a generated one instead of a file
   Index points = 4096;         // >= 4
   // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
@@ -245,7 +245,7 @@ inline void visit(Fields& fields, CloudParams& p) {
   using Shape = CloudParams::Shape;
   fields.text(
       "file", p.file,
-      "a .pcd, .ply, .obj or .xyz file: path or package://PACKAGE/PATH. A path is relative to the working directory of the "
+      "a .pcd, .ply, .obj, .off or .xyz file: path or package://PACKAGE/PATH. A path is relative to the working directory of the "
       "program, not to the scene");
   fields.choice("shape", p.shape,
                 {{"none", Shape::kNone},
