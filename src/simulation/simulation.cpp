@@ -53,6 +53,8 @@ void checkContactThickness(const SceneParams& params, const RestSurface& surface
         "spacing or less is faster");
 }
 
+bool doesAnyTouch(const Dynamics& dynamics) { return !dynamics.contacts().empty() || !dynamics.selfTouches().empty(); }
+
 // What a step takes, as so many sub-steps.
 Index costOf(const solve::SolveReport& report) { return kOfStep + (report.iterations > 0 ? kOfImplicitStep : report.substeps); }
 
@@ -204,7 +206,10 @@ std::string Simulation::Impl::tellWhatLasts(const EstimatedDynamics::Outcome& ta
   if (taken.retried.kind != solve::StepFailure::Kind::kNone && lasting.see(Lasting::kRetried))
     appendNotice(begun, describeRetry(taken.retried, taken.is_retried_implicitly, report.substeps));
   if (!report.converged && lasting.see(Lasting::kUnbalanced, report.unbalanced))
-    appendNotice(begun, describeUnbalance(report, dynamics().params().integrator, taken.is_static, stopped > 0));
+    appendNotice(begun, describeUnbalance(report, dynamics().params().integrator, taken.is_static,
+                                          stopped > 0                ? Touch::kStopped
+                                          : doesAnyTouch(dynamics()) ? Touch::kTouches
+                                                                     : Touch::kNone));
   if (!begun.empty())
     if (const std::optional<Jam> jam = dynamics().findJam()) appendNotice(begun, describeJam(*jam));
   if (tracking.isLost() && lasting.see(Lasting::kUntracked))

@@ -11,11 +11,13 @@ using Failure = solve::StepFailure::Kind;
 
 constexpr double kFar = 0.01;  // of the largest force: above it, more iterations would not help
 
-std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, bool has_stopped) {
+std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, Touch touch) {
   const std::string smaller = "a smaller time_step or ";
-  if (has_stopped)
+  if (touch == Touch::kStopped)
     return report.unbalanced < kFar ? "contact limits the motion of points, which can keep it from a balance"
                                     : "contact limits the motion of points and carries what is unbalanced";
+  if (!(report.unbalanced < kFar) && touch == Touch::kTouches && !is_static)
+    return "far from balance, as where parts meet or land on a tool within a step: a smaller time_step may help";
   if (!(report.unbalanced < kFar))
     return "far from balance, as under forces that are too large to carry: smaller forces, " +
            (is_static ? "more integrator.max_iterations or " : smaller) + "a reset may help";
@@ -60,13 +62,12 @@ std::string describeRetry(const solve::StepFailure& why, bool is_implicit, Index
          (is_implicit ? "the implicit method, which damps" : std::to_string(substeps) + " sub-steps");
 }
 
-std::string describeUnbalance(const solve::SolveReport& report, const IntegratorParams& params, bool is_static,
-                              bool has_stopped) {
+std::string describeUnbalance(const solve::SolveReport& report, const IntegratorParams& params, bool is_static, Touch touch) {
   const std::string most = "at most integrator.max_iterations, " + std::to_string(params.max_iterations);
   return "the solver stopped after " + std::to_string(report.iterations) + " iterations in all (" + most +
          " in each search) with " + formatShort(report.unbalanced) +
          " of the largest force unbalanced, more than integrator.tolerance, " + formatShort(params.tolerance) + "; " +
-         adviseOnUnbalance(report, is_static, has_stopped);
+         adviseOnUnbalance(report, is_static, touch);
 }
 
 std::string describeFallbacks(IntegratorType chosen, Index fallbacks, Index steps) {

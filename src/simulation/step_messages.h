@@ -14,9 +14,11 @@ std::string describeFailure(const solve::StepFailure& failure);
 std::string describeChange(const solve::TimeMarch::Outcome& outcome, const solve::IntegratorParams& params);
 /// Of a step that was taken again: why, and how. substeps: of the last time.
 std::string describeRetry(const solve::StepFailure& why, bool is_implicit, Index substeps);
-/// Of a search that ended before the forces were balanced. has_stopped: contact of the surface with itself stopped points short.
+/// What contact did in a step: nothing, or something touches, or contact of the surface with itself stopped points short.
+enum class Touch { kNone, kTouches, kStopped };
+/// Of a search that ended before the forces were balanced.
 std::string describeUnbalance(const solve::SolveReport& report, const solve::IntegratorParams& params, bool is_static,
-                              bool has_stopped);
+                              Touch touch);
 /// Of steps that the chosen integrator did not take, at least in part: so many of the last ones.
 std::string describeFallbacks(solve::IntegratorType chosen, Index fallbacks, Index steps);
 /// Of implicit steps with so many iterations on average, where Verlet would be faster. is_touched: a tool touches.

@@ -99,8 +99,8 @@ TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
   solve::SolveReport report;
   report.converged = false;
   report.iterations = 7;
-  const auto adviceOf = [&](bool is_static, bool has_stopped = false) {
-    const std::string notice = describeUnbalance(report, IntegratorParams(), is_static, has_stopped);
+  const auto adviceOf = [&](bool is_static, Touch touch = Touch::kNone) {
+    const std::string notice = describeUnbalance(report, IntegratorParams(), is_static, touch);
     EXPECT_EQ(notice.find("the solver stopped after 7 iterations in all (at most integrator.max_iterations, "), 0u) << notice;
     return notice.substr(notice.find(';') + 2);
   };
@@ -108,7 +108,11 @@ TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
   EXPECT_EQ(adviceOf(true),
             "far from balance, as under forces that are too large to carry: smaller forces, more integrator.max_iterations or a "
             "reset may help");
+  EXPECT_EQ(adviceOf(true, Touch::kTouches), adviceOf(true));
+  EXPECT_EQ(adviceOf(false, Touch::kTouches),
+            "far from balance, as where parts meet or land on a tool within a step: a smaller time_step may help");
   report.unbalanced = 0.001;
+  EXPECT_EQ(adviceOf(false, Touch::kTouches), adviceOf(false));
   EXPECT_EQ(adviceOf(true), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance ends this");
   EXPECT_EQ(
       adviceOf(false),
@@ -125,7 +129,7 @@ TEST(StepMessages, WhereContactStopsPointsNothingIsAdvised) {
     for (const bool is_out : {false, true}) {
       report.unbalanced = unbalanced;
       report.is_out_of_iterations = is_out;
-      const std::string notice = describeUnbalance(report, IntegratorParams(), false, true);
+      const std::string notice = describeUnbalance(report, IntegratorParams(), false, Touch::kStopped);
       EXPECT_NE(notice.find("; contact limits the motion of points"), std::string::npos) << notice;
       for (const char* advice : {"smaller", "more integrator", "larger integrator"})
         EXPECT_EQ(notice.find(advice), std::string::npos) << notice;
