@@ -116,6 +116,26 @@ TEST(ParticleLife, GrownToriRestNearTheirSamples) {
   EXPECT_LT(after_steps, kNear);
 }
 
+TEST(ParticleLife, SamplesThatAreFartherApartThanTheWidestGapAreTold) {
+  constexpr double kApart = 0.1;
+  for (const double max_gap : {3.0, 6.0}) {  // spacings; the samples are 4 apart
+    simulation::SceneParams p = particleSheet();
+    p.oriented_particles.spacing = kApart / 4.0;
+    p.oriented_particles.grow_surface = true;
+    p.oriented_particles.growth.max_gap = max_gap;
+    p.oriented_particles.growth.sample_gap = 2.0;
+    const simulation::Simulation s(p, asCloud(makeSheet(4, 4, 3.0 * kApart, 3.0 * kApart, 0.0).points));
+    const auto has = [](const std::vector<std::string>& lines, const char* words) {
+      return std::any_of(lines.begin(), lines.end(),
+                         [&](const std::string& line) { return line.find(words) != std::string::npos; });
+    };
+    const bool is_narrow = max_gap < 4.0;
+    EXPECT_EQ(has(s.buildWarnings(), "16 of 16 samples are farther from all others than growth.max_gap, 3 spacings"), is_narrow);
+    EXPECT_EQ(has(s.buildNotes(), "until all gaps that were left were wider than growth.max_gap"), is_narrow);
+    EXPECT_EQ(has(s.buildNotes(), "until there was no more room"), !is_narrow);
+  }
+}
+
 // A warning tells that a grown surface will move by itself, as it does when samples were held in growth and are then let go.
 TEST(ParticleLife, GrownSurfacesThatAreNotAtRestAreAWarning) {
   for (const bool lets_go : {true, false}) {

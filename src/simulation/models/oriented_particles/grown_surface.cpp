@@ -58,6 +58,18 @@ void warnOfLonely(const model::OrientedParticles& particles, const State& state,
        formatPlace(state.positions[first - is_lonely.begin()]) + " m");
 }
 
+// Samples that are farther than a distance, m, from all others.
+Index countAlone(const Points& samples, double distance) {
+  const cloud::KdTree tree(samples);
+  std::vector<cloud::Neighbor> nearest;
+  Index count = 0;
+  for (const Vec3& p : samples) {
+    tree.nearest(p, 2, nearest);  // the sample is one of them
+    count += nearest.size() < 2 || nearest.back().squared_distance > distance * distance;
+  }
+  return count;
+}
+
 // Tells that particles will move by themselves. held: of those that there are at first; samples held in growth alone are free.
 template <class Warn>
 void warnOfUnrest(model::OrientedParticles& particles, std::vector<char> held, const State& state, const Warn& warn) {
@@ -186,9 +198,17 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   changes.born = static_cast<Index>(state.positions.size() - before);
   static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",
                                       "until another pass would have gone beyond growth.max_particles"};
+  const double widest = growth.max_gap * spacing;
+  const Index num_alone = grown.end == model::GrowthEnd::kNoRoom && before > 1 ? countAlone(samples, widest) : 0;
+  const char* const end =
+      num_alone > 0 ? "until all gaps that were left were wider than growth.max_gap" : kEnds[static_cast<int>(grown.end)];
   changes.notice = "a surface is grown: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) +
-                   " in " + std::to_string(grown.passes) + " passes, " + kEnds[static_cast<int>(grown.end)];
+                   " in " + std::to_string(grown.passes) + " passes, " + end;
   const auto warn = [&](const std::string& sentence) { changes.warning += (changes.warning.empty() ? "" : "; ") + sentence; };
+  if (num_alone > 0)
+    warn(std::to_string(num_alone) + " of " + std::to_string(before) +
+         " samples are farther from all others than growth.max_gap, " + formatShort(growth.max_gap) + " spacings (" +
+         formatShort(widest) + " m): growth joins them to nothing; a larger growth.max_gap or oriented_particles.spacing does");
   if (grown.end == model::GrowthEnd::kMaxPasses)
     warn("growth ended at growth.max_passes, " + std::to_string(growth.max_passes) + ": the surface is not complete");
   if (grown.end == model::GrowthEnd::kMaxParticles)
