@@ -194,7 +194,7 @@ void PairList::update(const Points& positions, const Reach& reach, const Cover* 
   findOpen(cover);
   patches_.measureWays(at_, positions, open_patches_, ways_);
   measureWays();
-  const bool are_all_coupled = apart_ - gone >= farthest, are_worn = num_visits_ > kMostVisits * num_listed_;
+  const bool are_all_coupled = apart_ - gone >= farthest, are_worn = num_visits_ - measured_after_ > kMostVisits * num_listed_;
   markExpired(reach);
   if (are_all_coupled && expired_.empty() && !are_worn) return rememberNearest(positions, apart_ - gone);
 
@@ -265,7 +265,7 @@ void PairList::markExpired(const Reach& reach) {
 
 // The bounds of the distances become loose while the surface moves. Where many pairs are within reach, new ones cost less.
 void PairList::measureAgain(const Points& positions) {
-  num_visits_ = 0;
+  measured_after_ = num_visits_;
   parallelFor(static_cast<Index>(open_.size()), kBlock, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
       Couple& couple = couples_[open_[k]];

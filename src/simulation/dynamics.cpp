@@ -151,6 +151,7 @@ void Dynamics::reset() {
   reported_loose_ = 0;
   has_reported_grazing_ = has_told_compliance_ = false;
   implicit_work_ = {};
+  contact_work_ = {contact_work_.visits};
   Changes all;
   all.loads = all.parts = all.motion = all.everywhere = true;
   follow(all);

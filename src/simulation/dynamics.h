@@ -233,6 +233,7 @@ class Dynamics {
   void settleContact(double now, solve::TimeMarch::Outcome& taken);
   std::string describeGrazing(double now);
   std::string describeCostlySteps(const solve::SolveReport& report);
+  std::string describeCostlyContact(const solve::SolveReport& report);
   const std::vector<model::WeightedTriangle>& outside();
   std::string endUntangling(double dt);
   static void refuse(const std::string& why, Outcome& outcome);
@@ -314,6 +315,12 @@ class Dynamics {
     Index steps = 0, iterations = 0;  // of implicit steps, since the last look
     bool is_told = false;
   } implicit_work_;
+  struct ContactWork {
+    std::size_t visits = 0;  // of pairs, at the end of the last step
+    double pairs = 0.0;      // a point and sub-step, in all steps since the last look
+    Index steps = 0;         // these
+    bool is_told = false;
+  } contact_work_;
   UntanglingProgress untangling_;
   Index reported_loose_ = 0;   // points of loose parts, as said last since the last reset
   DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion

@@ -1,6 +1,7 @@
 #include "step_messages.h"
 
 #include "deformable_surface/base/params.h"
+#include "deformable_surface/base/value.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -85,6 +86,14 @@ std::string describeCostlySteps(bool is_touched, double iterations, Index verlet
          formatShort(iterations) + " iterations each: the " + std::to_string(verlet_substeps) +
          " sub-steps that integrator.type verlet " + (verlet_substeps <= params.max_substeps ? "(or auto) " : "") +
          "needs instead are faster";
+}
+
+std::string describeCostlyContact(const std::vector<std::string>& attracting) {
+  std::string cause;
+  for (const std::string& name : attracting) cause += (cause.empty() ? "; tool " : ", ") + quote(name);
+  if (!cause.empty()) cause += " attracts: less strength crumples it less";
+  return "contact of the surface with itself takes most of the work of steps: its parts are near each other in very many places" +
+         cause + "; fewer simulation points are faster" + (cause.empty() ? "" : ", too");
 }
 
 std::string describeRefusal(const solve::StepFailure& failure, IntegratorType chosen, bool has_implicit) {

@@ -23,6 +23,9 @@ std::string describeUnbalance(const solve::SolveReport& report, const solve::Int
 std::string describeFallbacks(solve::IntegratorType chosen, Index fallbacks, Index steps);
 /// Of implicit steps with so many iterations on average, where Verlet would be faster. is_touched: a tool touches.
 std::string describeCostlySteps(bool is_touched, double iterations, Index verlet_substeps, const solve::IntegratorParams& params);
+/// Of steps in which contact of the surface with itself looks at very many pairs of its parts for each point in a sub-step.
+/// attracting: the names of tools that pull on points.
+std::string describeCostlyContact(const std::vector<std::string>& attracting);
 /// Why a step of this integrator was refused, with advice where something else may help. has_implicit: whether `auto` may take
 /// the implicit method.
 std::string describeRefusal(const solve::StepFailure& failure, solve::IntegratorType chosen, bool has_implicit);

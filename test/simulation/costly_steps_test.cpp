@@ -1,4 +1,4 @@
-// What is told of implicit steps where Verlet would be faster.
+// What is told of steps that are far more work than others.
 #include "clouds.h"
 
 #include <gtest/gtest.h>
@@ -48,6 +48,38 @@ TEST(CostlySteps, AreToldWithoutContactAndNameNoTool) {
 
 TEST(CostlySteps, AreNotToldWhereVerletNeedsVeryManySubsteps) {
   EXPECT_EQ(countTold(kTold, IntegratorType::kImplicit, 1e11, 0.0), 0);
+}
+
+// How many of 20 steps tell that contact takes most of the work, while a tool pulls a sheet into one place.
+int countContactTold(double strength, bool self) {
+  simulation::SceneParams p;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.gravity.setZero();
+  p.material.young_modulus = 1e4;
+  p.material.thickness = 0.005;
+  p.contact.self = self;
+  p.accuracy.estimate = false;
+  p.tools.emplace_back();
+  p.tools[0].id = "magnet";
+  p.tools[0].mode = tool::Mode::kAttract;
+  p.tools[0].strength = strength;
+  p.tools[0].reach = 1.0;
+  p.tools[0].shape.radius = 0.01;
+  p.tools[0].path = {{0.0, Vec3(0.5, 0.5, 0.05), Vec4(0.0, 0.0, 0.0, 1.0)}};
+  simulation::Simulation s(p, sheetCloud(15));
+  int told = 0;
+  for (int k = 0; k < 20; ++k) {
+    const simulation::StepOutcome outcome = s.step();
+    EXPECT_TRUE(outcome.ok) << outcome.problem;
+    told += outcome.notice.find("in very many places; tool 'magnet' attracts") != std::string::npos;
+  }
+  return told;
+}
+
+TEST(CostlySteps, InWhichASurfaceIsCrumpledAreToldOnce) {
+  EXPECT_EQ(countContactTold(2000.0, true), 1);
+  EXPECT_EQ(countContactTold(1.0, true), 0);
+  EXPECT_EQ(countContactTold(2000.0, false), 0);
 }
 
 }  // namespace

@@ -163,6 +163,8 @@ class PairList {
   double usualReach() const { return kUsualReach * usual_radius_; }
   /// Number of searches of couples of patches.
   Index numSearches() const { return num_searches_; }
+  /// How often pairs of the lists were visited.
+  std::size_t numVisits() const { return num_visits_; }
 
  private:
   static constexpr Index kCouplesAtOnce = 128;  // a task: some microseconds if nothing is near
@@ -257,7 +259,7 @@ class PairList {
   std::vector<Parts> parts_;                 // (patches), of the patches of expired couples
   std::vector<char> is_enclosed_, has_box_;  // (patches): these, and boxes_, are of at_
   Index num_searches_ = 0;
-  std::size_t num_listed_ = 0, num_visits_ = 0;  // the visits since all were measured
+  std::size_t num_listed_ = 0, num_visits_ = 0, measured_after_ = 0;  // visits, when all were measured last
 };
 
 }  // namespace deformable_surface::contact
