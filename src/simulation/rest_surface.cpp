@@ -10,6 +10,7 @@
 
 #include "joined_layers.h"
 #include "narrow_gaps.h"
+#include "open_seams.h"
 #include "rest_parts.h"
 #include "unconstrained_parts.h"
 
@@ -54,6 +55,7 @@ void addNotes(const SceneParams& params, RestSurface& s) {
   noteFarAnchors(params, s);
   warnOfClosePoints(s);
   noteNarrowGaps(s);
+  warnOfOpenSeams(s);
   noteJoinedLayers(s);
 }
 
