@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "carried_away.h"
 #include "grazing.h"
 #include "rest_parts.h"
 #include "spacing.h"
@@ -140,6 +141,11 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   outcome.is_retried_implicitly = taken.is_retried_implicitly;
   appendNotice(outcome.notice, describeChange(taken, params_.integrator));
   if (!taken.ok) return refuse(describeRefusal(taken.failure, params_.integrator.type, system_.hasStiffness()), outcome);
+  if (is_static && !contact.isEmpty()) {
+    const Points &before = before_.motion.points.positions, &after = points.positions;
+    const double way = findCarriedAway(system_, contact, now + dt, load_stiffness_, before, after);
+    if (way > 0.0) return refuse(describeCarriedAway(way), outcome);
+  }
   const Timer search_timer;
   if (start && taken.report.converged) outcome.second_distance = searchAgain(now, request.second_search, *start);
   outcome.search_seconds = search_timer.seconds();

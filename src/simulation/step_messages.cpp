@@ -10,6 +10,9 @@ using solve::IntegratorParams;
 using solve::IntegratorType;
 using Failure = solve::StepFailure::Kind;
 
+// Why static steps carry away what only tools hold.
+constexpr char kSlides[] =
+    "along them or past them, since static steps have no friction; pins can hold it, or friction with integrator.type auto";
 constexpr double kFar = 0.01;  // of the largest force: above it, more iterations would not help
 
 std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static, Touch touch) {
@@ -100,7 +103,13 @@ std::string describeRefusal(const solve::StepFailure& failure, IntegratorType ch
   std::string advice;
   if (failure.kind == Failure::kGainedEnergy && chosen == IntegratorType::kVerlet)
     advice = std::string("; a smaller integrator.time_step") + (has_implicit ? " or integrator.type auto" : "") + " may help";
+  if (failure.kind == Failure::kLeftSpace && chosen == IntegratorType::kStatic)
+    advice = std::string(", as what only tools hold does, ") + kSlides;
   return describeFailure(failure) + advice;
+}
+
+std::string describeCarriedAway(double way) {
+  return "found no equilibrium: what only tools hold moved " + formatShort(way) + " m, " + kSlides;
 }
 
 std::string describeHalt(const solve::SolveReport& report) {

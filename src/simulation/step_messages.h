@@ -29,6 +29,8 @@ std::string describeCostlyContact(const std::vector<std::string>& attracting);
 /// Why a step of this integrator was refused, with advice where something else may help. has_implicit: whether `auto` may take
 /// the implicit method.
 std::string describeRefusal(const solve::StepFailure& failure, solve::IntegratorType chosen, bool has_implicit);
+/// Why a static step was refused after which parts that only tools held were so far away, m.
+std::string describeCarriedAway(double way);
 /// Of a step in which contact took the motion of parts, in so many sub-steps.
 std::string describeHalt(const solve::SolveReport& report);
 
