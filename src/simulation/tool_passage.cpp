@@ -54,9 +54,18 @@ double findWinding(const Vec3& place, const std::vector<model::WeightedTriangle>
   return number;
 }
 
+// Whether the tool rests, and no point touched it at the beginning.
+bool isFallenOn(const PassageStep& step) {
+  if (!std::equal(step.from.begin(), step.from.end(), step.to.begin())) return false;
+  return std::all_of(step.before.begin(), step.before.end(), [&](const Vec3& x) {
+    return geometry::findSignedDistance(step.shape, toTool(step.pose, x)).distance > 0.0;
+  });
+}
+
 Passage findReason(const PassageStep& step) {
   if (findWidth(step.shape) < step.spacing) return Passage::kNarrow;
-  return geometry::findSmallestExtent(step.shape) < step.spacing ? Passage::kThin : Passage::kSnapped;
+  if (geometry::findSmallestExtent(step.shape) < step.spacing) return Passage::kThin;
+  return step.is_equilibrium && isFallenOn(step) ? Passage::kSearched : Passage::kSnapped;
 }
 
 // m, of the passed points, below the planes at which they came in.
@@ -196,6 +205,8 @@ std::string describe(Passage passage, double spacing) {
     case Passage::kSnapped:
       return ": contact did not hold how far the surface is stretched there; a shorter way, a wider tool or more "
              "simulation points may prevent it";
+    case Passage::kSearched:
+      return ": the search for an equilibrium led past it; with integrator.type auto the surface falls onto it instead";
     case Passage::kIntoBody:
       return ", between the points of the body; friction on the tool, a wider tool or more points may prevent it";
   }

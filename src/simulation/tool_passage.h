@@ -28,14 +28,14 @@ struct PassageStep {
   const EdgePlaces *edges_from = nullptr, *edges_to = nullptr;
 };
 
-enum class Passage { kNone, kNarrow, kThin, kSnapped, kIntoBody };
+enum class Passage { kNone, kNarrow, kThin, kSnapped, kSearched, kIntoBody };
 
-/// Of an open surface. kNarrow, kThin, kSnapped: the width of the tool is below the spacing, its thickness is, or neither. A
-/// surface that is passed over comes back before the tool, unless no point is pushed any more. It stays behind the tool if it is
-/// in equilibrium, or has not come back for 0.2 s. In a thin tool points may always be deeper than its middle, so there they must
-/// also be deeper than it by half, or in a narrow one a quarter, of the spacing. An edge of a flat tool passes where a place near
-/// it goes through a triangle that stands steep on the tool, while the tool pushes no passed points back. through: before the
-/// step, and after it.
+/// Of an open surface. kNarrow, kThin, kSnapped: the width of the tool is below the spacing, its thickness is, or neither.
+/// kSearched: neither, in an equilibrium, and a tool at rest that no point touched before. A surface that is passed over comes
+/// back before the tool, unless no point is pushed any more. It stays behind the tool if it is in equilibrium, or has not come
+/// back for 0.2 s. In a thin tool points may always be deeper than its middle, so there they must also be deeper than it by half,
+/// or in a narrow one a quarter, of the spacing. An edge of a flat tool passes where a place near it goes through a triangle that
+/// stands steep on the tool, while the tool pushes no passed points back. through: before the step, and after it.
 Passage findPassage(const PassageStep& step, ContactLoad::Through& through);
 
 /// Into a closed surface: kIntoBody or kNone.

@@ -53,6 +53,15 @@ TEST(ToolPassage, BetweenThePointsATighterToolIsNarrowAndAWiderOneSnaps) {
   EXPECT_EQ(Course{0.1}.step({0.3, 0.1}, false), Passage::kNone);
 }
 
+TEST(ToolPassage, AnEquilibriumBeyondAWideToolAtRestWasSearchedPastIt) {
+  EXPECT_EQ((Course{1.5, true}.step({-2.0, -2.0, 0.0, -2.5}, false)), Passage::kSearched);
+  // The tool has moved; it was touched before; it is narrow; the surface moves.
+  EXPECT_EQ((Course{1.5, true}.step({-2.1, -2.0, 0.0, -2.5}, false)), Passage::kSnapped);
+  EXPECT_EQ((Course{2.5, true}.step({-2.0, -2.0, 0.0, -2.5}, false)), Passage::kSnapped);
+  EXPECT_EQ((Course{0.1, true}.step({-2.0, -2.0, 0.0, -2.5}, false)), Passage::kNarrow);
+  EXPECT_EQ((Course{1.5, false}.step({-2.0, -2.0, 0.0, -2.5}, false)), Passage::kSnapped);
+}
+
 TEST(ToolPassage, ASurfaceThatComesBackBeforeTheToolIsNotPassed) {
   Course course{0.1};
   EXPECT_EQ(course.step({0.3, -0.3}, true), Passage::kNone);
