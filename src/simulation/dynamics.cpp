@@ -149,7 +149,7 @@ void Dynamics::reset() {
   if (chosen_.integrator != solve::IntegratorType::kAuto) params_.integrator.type = chosen_.integrator;
   tool_watch_.reset();
   reported_loose_ = 0;
-  has_reported_grazing_ = has_told_compliance_ = false;
+  has_reported_grazing_ = has_told_compliance_ = has_told_dicing_ = false;
   implicit_work_ = {};
   contact_work_ = {contact_work_.visits};
   Changes all;

@@ -231,6 +231,8 @@ class Dynamics {
   solve::TimeMarch::Outcome findMotion(double now, const Request& request);
   solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
   void settleContact(double now, solve::TimeMarch::Outcome& taken);
+  bool hasKnife(double now) const;
+  Index countSinglePoints();
   std::string describeGrazing(double now);
   std::string describeCostlySteps(const solve::SolveReport& report);
   std::string describeCostlyContact(const solve::SolveReport& report);
@@ -310,7 +312,7 @@ class Dynamics {
   bool has_reported_grazing_ = false;
   std::string why_no_self_contact_;
   std::shared_ptr<const ContactSkin> skin_without_contact_;  // null: not made
-  bool has_told_compliance_ = false;
+  bool has_told_compliance_ = false, has_told_dicing_ = false;
   struct ImplicitWork {
     Index steps = 0, iterations = 0;  // of implicit steps, since the last look
     bool is_told = false;
@@ -328,6 +330,7 @@ class Dynamics {
   NamedForces::Update woken_;  // by the step that is taken
   bool has_woken_ = false;     // in its first half
   // Scratch.
+  std::vector<char> linked_;   // (n)
   std::vector<char> patches_;  // (n) see model::Clamping
   std::vector<model::ClampEdge> patch_edges_;
   std::vector<Index> hits_, moving_;  // moving: points on pins that move in the step

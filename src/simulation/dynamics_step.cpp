@@ -32,6 +32,7 @@ constexpr Index kCheapSubsteps = 20;
 // folded and a strip that is knotted had at most 1.1; surfaces that tools crumple had 8 to 240, and steps that took 6 to 60 times
 // as long.
 constexpr double kManyPairs = 8.0;
+constexpr Index kDiced = 8;        // points without links that a step with a knife leaves; cuts along an edge leave none
 constexpr int kMostSettling = 20;  // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
 
 }  // namespace
@@ -159,10 +160,16 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   }
   appendNotice(outcome.notice, describeCostlySteps(taken.report));
   appendNotice(outcome.notice, describeCostlyContact(taken.report));
+  const bool may_dice = !has_told_dicing_ && hasKnife(now);
+  const Index single = may_dice ? countSinglePoints() : 0;
   const auto [has_cut, has_flowed, leaves_copies] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
   outcome.has_cut = has_cut;
   outcome.leaves_copies = leaves_copies;
   if (has_cut) {
+    if (may_dice && countSinglePoints() >= single + kDiced) {
+      has_told_dicing_ = true;
+      appendNotice(outcome.notice, describeDicing(countSinglePoints() - single));
+    }
     placePointsBetween();
     followCuts();
     placeLoadPoints();
@@ -249,6 +256,19 @@ std::string Dynamics::describeCompliance() {
   if (where.empty()) return "";
   return "contact.compliance is " + formatShort(stated) + " m/Pa, but contact without pads already yields " + where +
          ": where this is more, pads have no effect";
+}
+
+// Of links that a knife may cut.
+bool Dynamics::hasKnife(double now) const {
+  const auto isKnife = [now](const tool::ToolParams& t) { return t.mode == tool::Mode::kCut && tool::isActive(t, now); };
+  return model_->links() && std::any_of(tools_.begin(), tools_.end(), isKnife);
+}
+
+// Points without links.
+Index Dynamics::countSinglePoints() {
+  linked_.assign(now_.points.size(), 0);
+  for (const auto& [a, b] : stretchLinksOf(*model_)) linked_[a] = linked_[b] = 1;
+  return static_cast<Index>(std::count(linked_.begin(), linked_.end(), 0));
 }
 
 // Reported once until the next reset.

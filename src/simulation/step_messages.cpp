@@ -112,6 +112,13 @@ std::string describeCarriedAway(double way) {
   return "found no equilibrium: what only tools hold moved " + formatShort(way) + " m, " + kSlides;
 }
 
+std::string describeDicing(Index points) {
+  return "a knife has cut off " + std::to_string(points) +
+         " single points in one step, as a blade does that moves across its flat side: it cuts all links that it sweeps over; "
+         "turn "
+         "it so that an edge leads";
+}
+
 std::string describeHalt(const solve::SolveReport& report) {
   return "parts press on each other so hard, or are so fast, that keeping them from crossing took all motion "
          "within them in " +

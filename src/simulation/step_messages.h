@@ -31,6 +31,8 @@ std::string describeCostlyContact(const std::vector<std::string>& attracting);
 std::string describeRefusal(const solve::StepFailure& failure, solve::IntegratorType chosen, bool has_implicit);
 /// Why a static step was refused after which parts that only tools held were so far away, m.
 std::string describeCarriedAway(double way);
+/// Of knives that cut off so many single points in a step.
+std::string describeDicing(Index points);
 /// Of a step in which contact took the motion of parts, in so many sub-steps.
 std::string describeHalt(const solve::SolveReport& report);
 

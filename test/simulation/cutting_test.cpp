@@ -82,6 +82,25 @@ TEST(Cutting, AKnifeThatSlidesAlongItsFlatCutsTheSameInOneStepAsInMany) {
   EXPECT_EQ(stretchLinksOf(fast.model()), stretchLinksOf(slow.model()));
 }
 
+TEST(Cutting, ABladeThatMovesAcrossItsFlatSideIsToldOnce) {
+  for (const bool is_flat : {false, true}) {
+    simulation::SceneParams p = stillSheet();
+    tool::ToolParams blade;
+    blade.id = "blade";
+    blade.mode = tool::Mode::kCut;
+    blade.shape.kind = geometry::Solid::Kind::kBox;
+    blade.shape.size = is_flat ? Vec3(0.002, 2.0, 0.2) : Vec3(0.2, 0.002, 0.2);
+    blade.path = {{0.0, Vec3(-0.3, 0.513, 0.0)}, {0.1, Vec3(1.3, 0.513, 0.0)}};
+    p.tools = {blade};
+    simulation::Simulation s(p, sheetCloud());
+    std::string notices;
+    for (int k = 0; k < 12; ++k) notices += s.step().notice;
+    const std::size_t at = notices.find("single points in one step, as a blade does that moves across its flat side");
+    EXPECT_EQ(at != std::string::npos, is_flat) << notices;
+    EXPECT_EQ(notices.find("single points"), notices.rfind("single points")) << notices;
+  }
+}
+
 TEST(Cutting, TakesNoMassAndLeavesASheetAtRestAtRest) {
   simulation::Simulation s(stillSheet(), sheetCloud());
   const Points rest = s.state().positions;
