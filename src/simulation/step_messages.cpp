@@ -114,9 +114,8 @@ std::string describeCarriedAway(double way) {
 
 std::string describeDicing(Index points) {
   return "a knife has cut off " + std::to_string(points) +
-         " single points in one step, as a blade does that moves across its flat side: it cuts all links that it sweeps over; "
-         "turn "
-         "it so that an edge leads";
+         " single points in one step: its flat side and the surface move across each other, and it cuts all links on the way; "
+         "let an edge lead, or take a shorter blade";
 }
 
 std::string describeHalt(const solve::SolveReport& report) {

@@ -95,7 +95,7 @@ TEST(Cutting, ABladeThatMovesAcrossItsFlatSideIsToldOnce) {
     simulation::Simulation s(p, sheetCloud());
     std::string notices;
     for (int k = 0; k < 12; ++k) notices += s.step().notice;
-    const std::size_t at = notices.find("single points in one step, as a blade does that moves across its flat side");
+    const std::size_t at = notices.find("single points in one step: its flat side and the surface move across each other");
     EXPECT_EQ(at != std::string::npos, is_flat) << notices;
     EXPECT_EQ(notices.find("single points"), notices.rfind("single points")) << notices;
   }
