@@ -16,6 +16,7 @@ namespace {
 // docs/decisions/0001-explicit-first.md.
 constexpr double kSafety = 0.5;
 constexpr Index kBlock = 3072;     // coordinates per task: some microseconds of work
+constexpr double kJammed = 0.05;   // share of the points that are stopped: more in a jam, fewer where a towel is folded
 constexpr Index kPoints = 1024;    // points per task: the same coordinates
 constexpr double kSlowCost = 3.0;  // of a pass over the slow forces, in passes over the others: curvature beside triangles
 
@@ -299,7 +300,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     }
     if (limit) {
       stopped = &limitMotion(system, *limit, dt, half_decay, s == 0, force, state);
-      report.stopped += !stopped->empty();
+      report.stopped += stopped->size() > kJammed * n;
       report.halted += !stopped->empty() && doAllStay(system, before_, state.positions);
     }
     // Forces at the new place.

@@ -23,8 +23,8 @@ constexpr double kBold = 1.8;           // of the safe sub-step, which is half o
 // The same near damped contact, which sets in at once. Of twelve undamped blocks that bounce (300 and 343 points), nine lost
 // their energy's calm with 1.8, none with 1.6. Twisted strips that jam move 1.5 to 2 times as fast with 1.8.
 constexpr double kBoldInContact = 1.6;
-// The same where points were stopped short in the step before. Eight twisted strips of 300 points that jam (one run each) take
-// 0.93 of the time that they take with kBoldInContact, with which three of them move twice as fast.
+// The same where many points were stopped short in the step before. Eight twisted strips of 300 points that jam (one run each)
+// take 0.93 of the time that they take with kBoldInContact, with which three of them move about twice as fast.
 constexpr double kBoldInJam = 1.35;
 // Of the energy in motion and stretch: largest error of the account for bold steps to go on.
 constexpr double kCalm = 0.01;

@@ -107,7 +107,7 @@ class Stopper : public solve::MotionLimit {
   const std::vector<Index> parts_{0};
 };
 
-TEST(TimeMarch, SubstepsAreShorterAfterAStepInWhichPointsWereStopped) {
+TEST(TimeMarch, SubstepsAreShorterAfterAStepInWhichManyPointsWereStopped) {
   March m(1.0);
   m.params.time_step = 0.1;
   Stopper stopper;

@@ -15,7 +15,7 @@ struct SolveReport {
   bool finite = true;     // false: the state is not usable; the caller restores the one before
   bool converged = true;  // implicit and static: the residual fell below the tolerance
   Index substeps = 0;
-  Index stopped = 0;  // of these: a limit of motion (MotionLimit) stopped points in them; of Verlet
+  Index stopped = 0;  // of these: a limit of motion (MotionLimit) stopped a twentieth of the points or more; of Verlet
   Index halted = 0;   // of these: together, limits of motion (MotionLimit) made more energy than there was motion to take it from
   Index fallbacks = 0;           // of these: taken by another integrator than the chosen one
   Index iterations = 0;          // of Newton's method, or of quasi-Newton steps where these were enough

@@ -42,7 +42,7 @@ class TimeMarch {
     double stretch_at_estimate = 0.0;                              // largest stretch when it was estimated, and
     double loads_at_estimate = 0.0;                                // 1/s^2, System::loadStiffness(): contacts come and go
     bool estimate_needed = true;
-    bool was_stopped = false;  // points were, by a limit of motion, in the last step
+    bool was_stopped = false;  // many points were, by a limit of motion, in the last step
     Index cautious = 0;        // steps that are still to be taken with safe sub-steps
     Index cautious_slow = 0;   // steps in which slow forces are still to act in every sub-step
     double heated = 0.0;       // J, that outer steps put into the motion of late, and
