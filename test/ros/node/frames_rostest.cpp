@@ -97,7 +97,7 @@ TEST_F(FramesTest, ACloudIsTakenThoughItsTransformComesAfterTheNextOne) {
     return client.diagnostic("clouds accepted") > 0 || stamps.size() > 60;
   }));
   EXPECT_GT(client.diagnostic("clouds accepted"), 0) << process.output();
-  ASSERT_FALSE(client.frames.empty());
+  ASSERT_TRUE(waitUntil([&] { return !client.frames.empty(); })) << process.output();
   EXPECT_NEAR(readPosition(*client.frames.back(), 0).z(), 0.3, 1e-6);
 }
 
