@@ -36,7 +36,9 @@ bool areNear(const Lists& ring, Index i, Index j) {
 
 void warnOfOpenSeams(RestSurface& s) {
   const cloud::Rings& rings = s.rings;
-  if (rings.ring.size() != static_cast<Index>(s.points.size())) return;
+  // Fewer points are chosen evenly. At silhouettes of camera frames their spacing differs all the same, without a gap between.
+  const bool are_all_simulated = s.points.size() == s.dense.positions.size();
+  if (!are_all_simulated || rings.ring.size() != static_cast<Index>(s.points.size())) return;
   std::vector<double> spacing, lengths;
   Points edge;
   std::vector<Index> points;  // these
@@ -68,7 +70,7 @@ void warnOfOpenSeams(RestSurface& s) {
                        " points at edges face others at less than a quarter of their spacing, the first at " +
                        formatPlace(s.points[first]) +
                        " m: no link is longer than four spacings, so that the surface is open there "
-                       "and gives way; points of more even spacing join it, as fewer simulation points mostly are");
+                       "and gives way; simplification.target_points makes points even and joins it");
 }
 
 }  // namespace deformable_surface::simulation

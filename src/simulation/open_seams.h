@@ -7,7 +7,7 @@
 namespace deformable_surface::simulation {
 
 /// Warns of points at the edge of a surface that face far denser ones across a gap no wider than their own spacing: how many, and
-/// where. s: with simulation points and their rings.
+/// where. Only where all points are simulated. s: with simulation points and their rings.
 void warnOfOpenSeams(RestSurface& s);
 
 }  // namespace deformable_surface::simulation

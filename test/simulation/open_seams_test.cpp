@@ -7,7 +7,7 @@ namespace deformable_surface::test {
 namespace {
 
 // A sheet of 0.3 m with a spacing of 10 mm, and a finer spacing in its middle, m.
-bool isTold(double fine) {
+bool isTold(double fine, bool are_all_simulated = true) {
   Points points;
   const auto fill = [&](double spacing, bool is_middle) {
     const Index n = static_cast<Index>(std::lround(0.3 / spacing));
@@ -20,7 +20,10 @@ bool isTold(double fine) {
   fill(0.01, false);
   fill(fine, true);
   simulation::SceneParams p;
-  p.simplification.method = cloud::SimplificationMethod::kNone;
+  if (are_all_simulated)
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+  else
+    p.simplification.target_points = 600;
   p.accuracy.estimate = false;
   const simulation::Simulation s(p, asCloud(points));
   for (const std::string& warning : s.buildWarnings())
@@ -32,6 +35,7 @@ TEST(OpenSeams, AreToldWhereTheSpacingJumpsFarEnoughToLeaveGaps) {
   EXPECT_TRUE(isTold(0.001));
   EXPECT_FALSE(isTold(0.0025));
   EXPECT_FALSE(isTold(0.01));
+  EXPECT_FALSE(isTold(0.001, false));
 }
 
 }  // namespace
