@@ -66,11 +66,12 @@ void warnOfOpenSeams(RestSurface& s) {
     if (faces && count++ == 0) first = i;
   }
   if (count < kFewest) return;
-  s.warnings.push_back(std::to_string(count) +
-                       " points at edges face others at less than a quarter of their spacing, the first at " +
-                       formatPlace(s.points[first]) +
-                       " m: no link is longer than four spacings, so that the surface is open there "
-                       "and gives way; simplification.target_points makes points even and joins it");
+  s.warnings.push_back(
+      std::to_string(count) +
+      " points at open edges lie across from points whose spacing is less than a quarter of theirs, the first at " +
+      formatPlace(s.points[first]) +
+      " m: no link is longer than four spacings, so that the surface is open there "
+      "and gives way; simplification.target_points makes points even and joins it");
 }
 
 }  // namespace deformable_surface::simulation

@@ -214,7 +214,7 @@ void noteStaticContact(const SceneParams& params, RestSurface& s) {
   s.notes.push_back("no pin, anchor or gripping tool holds " + count(free, "of ") +
                     count(parts.count(),
                           "parts, which can only rest on others or on tools: equilibria have no friction, so that "
-                          "they may slide and have none, and a search can take hundreds of slow iterations; "
+                          "these parts may slide without end, and a search can take hundreds of slow iterations; "
                           "integrator.type auto with material.damping lets them come to rest"));
 }
 

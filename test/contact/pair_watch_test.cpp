@@ -106,7 +106,7 @@ TEST(PairWatch, OneLookServesWhereOnlyFarPartsMove) {
   EXPECT_EQ(w.watch.numLooks(), 1);
 }
 
-// Of pairs that are a little farther apart, a plane between their parts tells it.
+// Pairs that are a little farther apart are ruled out by a plane between their two parts.
 TEST(PairWatch, MeasuresLittleMoreThanWhatIsWithinReach) {
   Watching w;
   const Points ways = w.shake(0.00002);

@@ -27,7 +27,9 @@ bool isTold(double fine, bool are_all_simulated = true) {
   p.accuracy.estimate = false;
   const simulation::Simulation s(p, asCloud(points));
   for (const std::string& warning : s.buildWarnings())
-    if (warning.find("points at edges face others at less than a quarter of their spacing") != std::string::npos) return true;
+    if (warning.find("points at open edges lie across from points whose spacing is less than a quarter of theirs") !=
+        std::string::npos)
+      return true;
   return false;
 }
 
