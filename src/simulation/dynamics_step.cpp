@@ -166,9 +166,10 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   outcome.has_cut = has_cut;
   outcome.leaves_copies = leaves_copies;
   if (has_cut) {
-    if (may_dice && countSinglePoints() >= single + kDiced) {
+    const Index cut_off = may_dice ? countSinglePoints() - single : 0;
+    if (cut_off >= kDiced) {
       has_told_dicing_ = true;
-      appendNotice(outcome.notice, describeDicing(countSinglePoints() - single));
+      appendNotice(outcome.notice, describeDicing(cut_off));
     }
     placePointsBetween();
     followCuts();
