@@ -150,8 +150,8 @@ std::vector<Patches> makePatches() {
   return patches;
 }
 
-void expectSumOfTriangles(const Patches& patches, const Points& positions) {
-  const Points forces = forcesOf({patches.triangles, patches.rest, kStiffness, kPoisson}, positions);
+void expectSumOfTriangles(const Patches& patches, const Points& positions, const model::TriangleMembrane* whole = nullptr) {
+  const Points forces = forcesOf({patches.triangles, patches.rest, kStiffness, kPoisson, whole}, positions);
   Points sum(positions.size(), Vec3::Zero());
   double largest = 0.0;
   for (const model::WeightedTriangle& t : patches.triangles) {
@@ -169,6 +169,19 @@ TEST(TriangleMembrane, ActsLikeTheSumOfItsTriangles) {
     Points flat = perturb(patches.rest, 0.05);  // pressed together along x
     for (Vec3& x : flat) x.x() *= 0.01;
     expectSumOfTriangles(patches, flat);
+  }
+}
+
+TEST(TriangleMembrane, ActsLikeTheSumOfWhatIsLeftOfAWholeOne) {
+  for (Patches patches : makePatches()) {
+    const model::TriangleMembrane whole(patches.triangles, patches.rest, kStiffness, kPoisson);
+    std::mt19937 generator(3);
+    for (int round = 0; round < 3; ++round) {
+      std::vector<model::WeightedTriangle>& left = patches.triangles;
+      left.erase(std::remove_if(left.begin(), left.end(), [&](const auto&) { return uniform(generator) > 0.4; }), left.end());
+      ASSERT_FALSE(left.empty()) << patches.name;
+      expectSumOfTriangles(patches, perturb(patches.rest, 0.05), &whole);
+    }
   }
 }
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "moment_balance.h"
+#include "balanced_plate.h"
 
 namespace deformable_surface::model {
 namespace {
@@ -15,38 +15,29 @@ constexpr double kCrushed = CurvatureLoop::kCrushed;
 constexpr Index kBlock = 64;    // fits per task: tens of microseconds of work
 constexpr Index kChunk = 4096;  // whose rates fit the stack and the nearest cache
 
-// Thirds of the triangles, m^2.
-std::vector<double> findAreas(const PlateRest& plate, const CurvatureFits& fits) {
-  std::vector<double> areas(plate.points.size(), 0.0);
-  for (const WeightedTriangle& t : plate.triangles) {
-    const auto& [a, b, c] = t.corner;
-    if (!fits.has(a) || !fits.has(b) || !fits.has(c)) continue;
-    const double area = 0.5 * (plate.points[b] - plate.points[a]).cross(plate.points[c] - plate.points[a]).norm();
-    for (const Index corner : t.corner) areas[corner] += t.weight * area / 3.0;
-  }
-  return areas;
-}
-
 }  // namespace
 
 CurvatureBending::CurvatureBending(const PlateRest& plate, const std::vector<char>& held, const std::vector<ClampEdge>& edges)
-    : poisson_ratio_(plate.poisson_ratio) {
-  ClampedPlate clamped = clampPlate(plate, held, edges);
-  CurvatureFits fits = fitCurvatures(clamped);
-  const std::vector<double> areas = findAreas(clamped.plate, fits);
-  const Index size = static_cast<Index>(areas.size());
+    : CurvatureBending(balancePlate(clampPlate(plate, held, edges))) {}
+
+CurvatureBending::CurvatureBending(const BalancedPlate& whole, const PlateRest& cut, const std::vector<char>& held,
+                                   const std::vector<ClampEdge>& edges)
+    : CurvatureBending(balanceNearCuts(whole, clampPlate(cut, held, edges))) {}
+
+CurvatureBending::CurvatureBending(BalancedPlate&& balanced) : poisson_ratio_(balanced.clamped.plate.poisson_ratio) {
+  const PlateRest& plate = balanced.clamped.plate;
+  const Index size = static_cast<Index>(plate.points.size());
   weight_.assign(size, 0.0);
   for (Index i = 0; i < size; ++i) {
-    if (fits.has(i))
-      weight_[i] = plate.rigidity * areas[i] * (plate.shares.empty() ? 1.0 : clamped.plate.shares[i]);
-    else if (!clamped.isClamped(i))
+    if (balanced.fits.has(i))
+      weight_[i] = plate.rigidity * balanced.areas[i] * (plate.shares.empty() ? 1.0 : plate.shares[i]);
+    else if (!balanced.clamped.isClamped(i))
       ++num_without_fit_;
   }
-  balanceMoments(clamped, areas, fits);
-  neighbors_ = std::move(fits.points);
-  rows_ = std::move(fits.rows);
-  edge_points_ = std::move(clamped.edge_points);
-  num_hinged_ = clamped.num_hinged;
+  neighbors_ = std::move(balanced.fits.points);
+  rows_ = std::move(balanced.rows);
+  edge_points_ = std::move(balanced.clamped.edge_points);
+  num_hinged_ = balanced.clamped.num_hinged;
   rest_curvature_.assign(size, Vec3::Zero());
   for (Index i = 0; i < size; ++i)
     if (weight_[i] != 0.0) rest_curvature_[i] = shapeAt(i, sumDerivatives(wholeFit(i), plate.points.data()->data(), 3)).change;

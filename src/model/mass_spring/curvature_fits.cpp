@@ -43,23 +43,6 @@ void chooseFitPoints(Index i, const PlateRest& plate, Index most, std::vector<In
   if (static_cast<Index>(found.size()) > most) found.resize(most);
 }
 
-// Marks the points within a few rings of a clamp's edge.
-std::vector<char> markBesideClamps(const ClampedPlate& clamped) {
-  const Lists& ring = clamped.plate.ring;
-  std::vector<char> marked(ring.size(), 0);
-  std::vector<Index> found;
-  for (Index i = clamped.num_points; i < ring.size(); ++i) found.push_back(i);
-  for (const Index i : found) marked[i] = 1;
-  std::size_t next = 0;
-  for (int depth = 0; depth < kRingsAtClamps; ++depth)
-    for (const std::size_t end = found.size(); next < end; ++next)
-      for (Index k = 0; k < ring.count(found[next]); ++k) {
-        const Index j = ring.begin(found[next])[k];
-        if (!std::exchange(marked[j], 1)) found.push_back(j);
-      }
-  return marked;
-}
-
 template <int Rows, int Columns>
 using Small = Eigen::Matrix<double, Rows == 0 ? Eigen::Dynamic : Rows, Columns == 0 ? Eigen::Dynamic : Columns, 0,
                             Rows == 0 ? kFitPoints : Rows, Columns == 0 ? kFitPoints : Columns>;
@@ -119,9 +102,25 @@ bool solveClamped(const Small<0, 5>& design, const Weights& root_weight, const E
 
 }  // namespace
 
-CurvatureFits fitCurvatures(const ClampedPlate& clamped) {
+std::vector<char> markBesideClamps(const ClampedPlate& clamped) {
+  const Lists& ring = clamped.plate.ring;
+  std::vector<char> marked(ring.size(), 0);
+  std::vector<Index> found;
+  for (Index i = clamped.num_points; i < ring.size(); ++i) found.push_back(i);
+  for (const Index i : found) marked[i] = 1;
+  std::size_t next = 0;
+  for (int depth = 0; depth < kRingsAtClamps; ++depth)
+    for (const std::size_t end = found.size(); next < end; ++next)
+      for (Index k = 0; k < ring.count(found[next]); ++k) {
+        const Index j = ring.begin(found[next])[k];
+        if (!std::exchange(marked[j], 1)) found.push_back(j);
+      }
+  return marked;
+}
+
+CurvatureFits fitCurvatures(const ClampedPlate& clamped, const std::vector<Index>& points) {
   const PlateRest& plate = clamped.plate;
-  const Index n = static_cast<Index>(plate.points.size());
+  const Index n = static_cast<Index>(points.size());
   CurvatureFits fits;
   fits.reach.assign(n, 0.0);
   fits.bases.resize(n);
@@ -132,11 +131,12 @@ CurvatureFits fitCurvatures(const ClampedPlate& clamped) {
   const std::vector<char> beside_clamp = markBesideClamps(clamped);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     std::vector<Index> fit;
-    for (Index i = begin; i < end; ++i) {
-      slots[kSlots * i] = i;
-      rows[kSlots * i] = {Vec2::Zero(), Vec3::Zero()};
-      fits.bases[i].root.fill(0.0);
-      fits.bases[i].q.setZero();
+    for (Index f = begin; f < end; ++f) {
+      const Index i = points[f];
+      slots[kSlots * f] = i;
+      rows[kSlots * f] = {Vec2::Zero(), Vec3::Zero()};
+      fits.bases[f].root.fill(0.0);
+      fits.bases[f].q.setZero();
       const EdgePoint* const edge = clamped.isEdge(i) ? &clamped.edge_points[i - clamped.num_points] : nullptr;
       if (!edge && clamped.is_inner[i]) continue;
       const bool is_beside = beside_clamp[i];
@@ -156,26 +156,26 @@ CurvatureFits fitCurvatures(const ClampedPlate& clamped) {
         design.row(m) << q * a, q * b, 0.5 * q * a * a, q * a * b, 0.5 * q * b * b;
       }
       Solution solution;
-      solution.basis = fits.bases[i];
+      solution.basis = fits.bases[f];
       if (edge ? !solveClamped(design, root_weight, *edge, axes, reach, solution) : !solveFree(design, root_weight, solution))
         continue;
       if (edge) fit.insert(fit.end(), edge->points, edge->points + 3);
-      fits.bases[i] = solution.basis;
-      fits.reach[i] = reach;
-      counts[i] = static_cast<Index>(fit.size()) + 1;
-      CurvatureRow& own = rows[kSlots * i];
+      fits.bases[f] = solution.basis;
+      fits.reach[f] = reach;
+      counts[f] = static_cast<Index>(fit.size()) + 1;
+      CurvatureRow& own = rows[kSlots * f];
       for (Index m = 0; m < static_cast<Index>(fit.size()); ++m) {
-        CurvatureRow& row = rows[kSlots * i + 1 + m];
+        CurvatureRow& row = rows[kSlots * f + 1 + m];
         row = {solution.inverse.block<2, 1>(0, m) / reach, solution.inverse.block<3, 1>(2, m) / (reach * reach)};
         own.first -= row.first;
         own.second -= row.second;
-        slots[kSlots * i + 1 + m] = fit[m];
+        slots[kSlots * f + 1 + m] = fit[m];
       }
     }
   });
-  for (Index i = 0; i < n; ++i) {
-    fits.points.items.insert(fits.points.items.end(), &slots[kSlots * i], &slots[kSlots * i] + counts[i]);
-    fits.rows.insert(fits.rows.end(), &rows[kSlots * i], &rows[kSlots * i] + counts[i]);
+  for (Index f = 0; f < n; ++f) {
+    fits.points.items.insert(fits.points.items.end(), &slots[kSlots * f], &slots[kSlots * f] + counts[f]);
+    fits.rows.insert(fits.rows.end(), &rows[kSlots * f], &rows[kSlots * f] + counts[f]);
     fits.points.offsets.push_back(static_cast<Index>(fits.points.items.size()));
   }
   return fits;

@@ -31,7 +31,10 @@ struct CurvatureFits {
   bool has(Index i) const { return reach[i] > 0.0; }
 };
 
-/// Parallel; O(n).
-CurvatureFits fitCurvatures(const ClampedPlate& clamped);
+/// The fits of some points, in their order. Parallel.
+CurvatureFits fitCurvatures(const ClampedPlate& clamped, const std::vector<Index>& points);
+
+/// (n) 1: within a few rings of a clamp's edge, where fits are smaller.
+std::vector<char> markBesideClamps(const ClampedPlate& clamped);
 
 }  // namespace deformable_surface::model

@@ -149,6 +149,7 @@ bool MassSpring::setHeld(const std::vector<char>& held, const std::vector<ClampE
   if (plate_.points.empty() || (held == held_ && edges == edges_)) return false;
   held_ = held;
   edges_ = edges;
+  whole_.reset();
   buildBending();
   return true;
 }

@@ -5,19 +5,39 @@
 
 #include <algorithm>
 
+#include "balanced_plate.h"
+
 namespace deformable_surface::model {
 namespace {
 
 using Link = MassSpring::Link;
 
-// The edges of triangles, each once, ascending.
-std::vector<Link> collectEdges(const std::vector<WeightedTriangle>& triangles) {
+// The edges of triangles that are gone, without those of a triangle that is left. Both (links) ascending.
+std::vector<Link> findLostEdges(const std::vector<WeightedTriangle>& gone, const std::vector<WeightedTriangle>& left,
+                                Index num_points) {
   std::vector<Link> edges;
-  for (const WeightedTriangle& t : triangles)
-    for (int c = 0; c < 3; ++c) edges.push_back(std::minmax({t.corner[c], t.corner[(c + 1) % 3]}));
+  std::vector<char> is_beside(num_points, 0);
+  const auto forEachEdge = [](const WeightedTriangle& t, const auto& visit) {
+    for (int c = 0; c < 3; ++c) visit(Link(std::minmax({t.corner[c], t.corner[(c + 1) % 3]})));
+  };
+  for (const WeightedTriangle& t : gone)
+    forEachEdge(t, [&](const Link& edge) {
+      edges.push_back(edge);
+      is_beside[edge.first] = is_beside[edge.second] = 1;
+    });
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  return edges;
+  std::vector<char> is_left(edges.size(), 0);
+  for (const WeightedTriangle& t : left)
+    forEachEdge(t, [&](const Link& edge) {
+      if (!is_beside[edge.first] || !is_beside[edge.second]) return;
+      const auto found = std::lower_bound(edges.begin(), edges.end(), edge);
+      if (found != edges.end() && *found == edge) is_left[found - edges.begin()] = 1;
+    });
+  std::vector<Link> lost;
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (!is_left[e]) lost.push_back(edges[e]);
+  return lost;
 }
 
 }  // namespace
@@ -29,6 +49,7 @@ bool MassSpring::isCut(Index i, Index j) const {
 void MassSpring::rememberMade() {
   if (!made_.masses.empty()) return;
   made_.triangles = triangles_;
+  if (membrane_ == Membrane::kTriangles) made_.membrane = std::make_shared<const TriangleMembrane>(membrane_triangles_);
   made_.links = stretching_.links();
   made_.stiffness = stretching_.stiffness();
   made_.across = bending_springs_.links();
@@ -58,17 +79,27 @@ Springs MassSpring::takeSprings(const std::vector<Link>& links, const std::vecto
 void MassSpring::buildBending() {
   if (plate_.points.empty()) return;
   PlateRest plate = plate_;
-  plate.triangles = triangles_;
   for (const PointMaterial& material : materials_) plate.shares.push_back(material.bending);
-  if (!cuts_.empty()) {
+  if (cuts_.empty()) {
+    plate.triangles = triangles_;
+    bending_ = CurvatureBending(plate, held_, edges_);
+    whole_.reset();
+  } else {
+    if (!whole_) {
+      plate.triangles = made_.triangles;
+      whole_ = std::make_shared<const BalancedPlate>(balancePlate(clampPlate(plate, held_, edges_)));
+    }
+    plate.triangles = triangles_;
     plate.ring = Lists{};
+    plate.ring.offsets.reserve(plate_.ring.offsets.size());
+    plate.ring.items.reserve(plate_.ring.items.size());
     for (Index i = 0; i < plate_.ring.size(); ++i) {
       for (const Index* j = plate_.ring.begin(i); j != plate_.ring.end(i); ++j)
         if (!isCut(i, *j)) plate.ring.items.push_back(*j);
       plate.ring.offsets.push_back(static_cast<Index>(plate.ring.items.size()));
     }
+    bending_ = CurvatureBending(*whole_, plate, held_, edges_);
   }
-  bending_ = CurvatureBending(plate, held_, edges_);
   forgetGuesses();
 }
 
@@ -83,7 +114,8 @@ void MassSpring::rebuild() {
       for (WeightedTriangle& t : scaled)
         t.weight *=
             (materials_[t.corner[0]].stretching + materials_[t.corner[1]].stretching + materials_[t.corner[2]].stretching) / 3.0;
-    membrane_triangles_ = TriangleMembrane(scaled, made_.points, made_.membrane_stiffness, made_.poisson_ratio);
+    membrane_triangles_ =
+        TriangleMembrane(scaled, made_.points, made_.membrane_stiffness, made_.poisson_ratio, made_.membrane.get());
   }
   for (std::size_t i = 0; i < materials_.size(); ++i) masses_[i] = made_.masses[i] * materials_[i].density;
   buildBending();
@@ -101,14 +133,14 @@ void MassSpring::setCuts(const std::vector<Link>& links) {
   rememberMade();
   cuts_ = links;
   triangles_.clear();
-  for (const WeightedTriangle& t : made_.triangles)
-    if (!isCut(t.corner[0], t.corner[1]) && !isCut(t.corner[1], t.corner[2]) && !isCut(t.corner[2], t.corner[0]))
-      triangles_.push_back(t);
-  if (membrane_ == Membrane::kTriangles && !cuts_.empty()) {
+  std::vector<WeightedTriangle> gone;
+  for (const WeightedTriangle& t : made_.triangles) {
+    const bool is_cut = isCut(t.corner[0], t.corner[1]) || isCut(t.corner[1], t.corner[2]) || isCut(t.corner[2], t.corner[0]);
+    (is_cut ? gone : triangles_).push_back(t);
+  }
+  if (membrane_ == Membrane::kTriangles && !gone.empty()) {
     // Links that only held removed triangles together.
-    const std::vector<Link> before = collectEdges(made_.triangles), after = collectEdges(triangles_);
-    std::vector<Link> lost;
-    std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(lost));
+    const std::vector<Link> lost = findLostEdges(gone, triangles_, static_cast<Index>(made_.points.size()));
     std::vector<Link> all;
     std::set_union(cuts_.begin(), cuts_.end(), lost.begin(), lost.end(), std::back_inserter(all));
     cuts_ = std::move(all);

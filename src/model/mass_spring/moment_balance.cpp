@@ -23,7 +23,7 @@ constexpr Index kMaxFactored = 20000;  // points above which the factor costs mo
 // A symmetric tensor of a tangent plane: half of its trace, half of the difference of its diagonal, its off-diagonal. The inner
 // product of two tensors is twice that of these numbers.
 using Tensor = Vec3;
-using Tensors = std::vector<Tensor>;
+using Tensors = Multipliers;
 
 Tensor toTensor(double xx, double xy, double yy) { return {0.5 * (xx + yy), 0.5 * (xx - yy), xy}; }
 
@@ -56,7 +56,8 @@ void add(double factor, const Tensors& what, Tensors& to) {
 // The equation for the multipliers, one tensor per point.
 class MomentBalance {
  public:
-  MomentBalance(const ClampedPlate& clamped, const std::vector<double>& areas, const CurvatureFits& fits);
+  MomentBalance(const ClampedPlate& clamped, const std::vector<double>& areas, const CurvatureFits& fits,
+                const std::vector<char>& is_fixed);
 
   Index size() const { return fits_.points.size(); }
   bool isUnknown(Index j) const { return is_unknown_[j]; }
@@ -97,7 +98,8 @@ class MomentBalance {
   mutable Tensors pushed_;  // per item
 };
 
-MomentBalance::MomentBalance(const ClampedPlate& clamped, const std::vector<double>& areas, const CurvatureFits& fits)
+MomentBalance::MomentBalance(const ClampedPlate& clamped, const std::vector<double>& areas, const CurvatureFits& fits,
+                             const std::vector<char>& is_fixed)
     : clamped_(clamped), plate_(clamped.plate), areas_(areas), fits_(fits) {
   const Index n = size(), num_items = static_cast<Index>(fits.points.items.size());
   axes_.reserve(n);
@@ -125,7 +127,8 @@ MomentBalance::MomentBalance(const ClampedPlate& clamped, const std::vector<doub
   for (Index item = 0; item < num_items; ++item)
     if (scale_[fit_of_[item]] > 0.0) users_.items[next[fits.points.items[item]]++] = item;
   is_unknown_.resize(n);
-  for (Index j = 0; j < n; ++j) is_unknown_[j] = users_.count(j) > 0 && !clamped.isClamped(j);
+  for (Index j = 0; j < n; ++j)
+    is_unknown_[j] = users_.count(j) > 0 && !clamped.isClamped(j) && (is_fixed.empty() || !is_fixed[j]);
   pushed_.resize(num_items);
   // The diagonal, and the mean squared sine of the angles between the normals of a fit.
   std::vector<double> own(num_items, 0.0), turns(n, 0.0);
@@ -359,13 +362,19 @@ void PlanarBalance::solve(const Tensors& b, Tensors& x) {
   }
 }
 
-// Conjugate gradients; returns the best iterate.
-Tensors solveForMultipliers(const MomentBalance& balance) {
+// Conjugate gradients from a guess; leaves the best iterate in it.
+void solveForMultipliers(const MomentBalance& balance, Tensors& best) {
   const Index n = balance.size();
-  Tensors l(n, Tensor::Zero()), residual(n), direction(n), solved(n), product(n), best = l;
+  Tensors residual(n), direction(n), solved(n), product(n), l = best;
   balance.findResidual(residual);
+  const double limit = kTolerance * kTolerance * dot(residual, residual);
+  if (!(limit > 0.0)) return;
+  if (std::any_of(l.begin(), l.end(), [](const Tensor& tensor) { return !tensor.isZero(0.0); })) {
+    balance.multiply(l, product);
+    add(-1.0, product, residual);
+  }
   const double first = dot(residual, residual);
-  if (!(first > 0.0)) return l;
+  if (first <= limit) return;
   PlanarBalance planar(balance);
   planar.solve(residual, solved);
   direction = solved;
@@ -381,32 +390,32 @@ Tensors solveForMultipliers(const MomentBalance& balance) {
       least = squares;
       best = l;
     }
-    if (least <= kTolerance * kTolerance * first) break;
+    if (least <= limit) break;
     planar.solve(residual, solved);
     const double before = power;
     power = dot(residual, solved);
     for (Index i = 0; i < n; ++i) direction[i] = solved[i] + power / before * direction[i];
   }
-  return best;
 }
 
 }  // namespace
 
-void balanceMoments(const ClampedPlate& clamped, const std::vector<double>& areas, CurvatureFits& fits) {
-  const MomentBalance balance(clamped, areas, fits);
-  const Tensors multipliers = solveForMultipliers(balance);
-  std::vector<Vec3> changes(fits.rows.size(), Vec3::Zero());
+std::vector<CurvatureRow> balanceMoments(const ClampedPlate& clamped, const std::vector<double>& areas, const CurvatureFits& fits,
+                                         const std::vector<char>& is_fixed, Multipliers& multipliers) {
+  const MomentBalance balance(clamped, areas, fits, is_fixed);
+  solveForMultipliers(balance, multipliers);
+  std::vector<CurvatureRow> rows = fits.rows;
   parallelFor(fits.points.size(), kBlock, [&](Index begin, Index end) {
     Tensor change[CurvatureBending::kFitPoints + 1];
     for (Index i = begin; i < end; ++i) {
       if (balance.scale(i) == 0.0) continue;
       balance.explain(i, multipliers, change);
       for (Index m = 0; m < fits.points.count(i); ++m)
-        changes[fits.points.offsets[i] + m] =
+        rows[fits.points.offsets[i] + m].second +=
             Vec3(change[m][0] + change[m][1], change[m][2], change[m][0] - change[m][1]) / (fits.reach[i] * fits.reach[i]);
     }
   });
-  for (std::size_t r = 0; r < changes.size(); ++r) fits.rows[r].second += changes[r];
+  return rows;
 }
 
 }  // namespace deformable_surface::model

@@ -7,7 +7,7 @@
 namespace deformable_surface::model {
 
 TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangles, const Points& rest, double membrane_stiffness,
-                                   double poisson_ratio)
+                                   double poisson_ratio, const TriangleMembrane* whole)
     : mu_(membrane_stiffness / (2.0 * (1.0 + poisson_ratio))),
       lambda_(membrane_stiffness * poisson_ratio / (1.0 - poisson_ratio * poisson_ratio)) {
   for (const WeightedTriangle& t : triangles) {
@@ -21,7 +21,10 @@ TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangle
     Element e{{t.corner[0], t.corner[1], t.corner[2]}, edges.inverse(), 0.5 * t.weight * twice_area};
     if (e.inverse.allFinite()) elements_.push_back(e);
   }
-  groupTriangles();
+  if (whole)
+    takePatches(*whole);
+  else
+    groupTriangles();
   prepareForceLoop(static_cast<Index>(rest.size()));
 }
 

@@ -63,8 +63,7 @@ void TriangleMembrane::groupTriangles() {
   for (Index t = 0; t < n; ++t) {
     if (is_taken[t]) continue;
     const auto& corner = elements_[t].corner;
-    // Without a partner the second triangle is the first one, without weight.
-    Patch pair{{corner[0], corner[1], corner[2], corner[1]}, {t, -1, -1, -1}};
+    Patch pair = makeSingle(t);
     Index fewest = std::numeric_limits<Index>::max();
     for (int c = 0; c < 3; ++c) {
       const Index i = corner[c], j = corner[(c + 1) % 3], k = corner[(c + 2) % 3];
@@ -73,7 +72,7 @@ void TriangleMembrane::groupTriangles() {
         const Index free = countFree(u);
         if (free < fewest) {
           fewest = free;
-          pair = {{i, k, j, point}, {t, u, -1, -1}};
+          pair = makePair(t, u);
         }
         return false;
       });
@@ -82,6 +81,54 @@ void TriangleMembrane::groupTriangles() {
     for (const Index u : pair.elements)
       if (u >= 0) is_taken[u] = 1;
   }
+}
+
+// Without a partner the second triangle is the first one, without weight.
+TriangleMembrane::Patch TriangleMembrane::makeSingle(Index t) const {
+  const auto& [i, j, k] = elements_[t].corner;
+  return {{i, j, k, j}, {t, -1, -1, -1}};
+}
+
+// Of two triangles with a side in common.
+TriangleMembrane::Patch TriangleMembrane::makePair(Index t, Index u) const {
+  const auto& of_t = elements_[t].corner;
+  const auto& of_u = elements_[u].corner;
+  for (int c = 0; c < 3; ++c) {
+    const Index i = of_t[c], j = of_t[(c + 1) % 3], k = of_t[(c + 2) % 3];
+    if (std::find(of_u, of_u + 3, i) == of_u + 3 || std::find(of_u, of_u + 3, j) == of_u + 3) continue;
+    const Index opposite = of_u[0] + of_u[1] + of_u[2] - i - j;
+    if (opposite != k) return {{i, k, j, opposite}, {t, u, -1, -1}};
+  }
+  return makeSingle(t);
+}
+
+// The patches of a membrane that had more triangles. What is left of a patch that has lost some is taken by twos.
+void TriangleMembrane::takePatches(const TriangleMembrane& whole) {
+  const Index n = static_cast<Index>(elements_.size());
+  std::vector<Index> place(whole.elements_.size(), -1);  // of its triangles here
+  Index next = 0;
+  for (std::size_t t = 0; t < place.size() && next < n; ++t)
+    if (std::equal(elements_[next].corner, elements_[next].corner + 3, whole.elements_[t].corner)) place[t] = next++;
+  patches_.clear();
+  std::vector<Patch> pairs;
+  for (Patch patch : whole.patches_) {
+    Index left[4], count = 0;
+    bool is_complete = true;
+    for (Index& t : patch.elements) {
+      if (t < 0) continue;
+      t = place[t];
+      if (t >= 0) left[count++] = t;
+      is_complete = is_complete && t >= 0;
+    }
+    if (is_complete) {
+      (count == 4 ? patches_ : pairs).push_back(patch);
+    } else {
+      for (Index k = 0; k + 1 < count; k += 2) pairs.push_back(makePair(left[k], left[k + 1]));
+      if (count % 2 == 1) pairs.push_back(makeSingle(left[count - 1]));
+    }
+  }
+  num_fours_ = static_cast<Index>(patches_.size());
+  patches_.insert(patches_.end(), pairs.begin(), pairs.end());
 }
 
 // The numbers of an element for the force loop, with its edges from p to q and to r.

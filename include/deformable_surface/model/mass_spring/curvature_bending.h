@@ -31,6 +31,8 @@ struct EdgePoint {
   Vec3 gradients[3];  // 1/m
 };
 
+struct BalancedPlate;
+
 /// At rest a quadratic x(a, b) is fitted through every point to its neighbours (weights (1 - s^2)^2, s = distance over reach),
 /// in coordinates a, b of its tangent plane. The fit is linear in the positions: fixed rows g^a_j and c^ab_j give tangents
 /// t_a = sum_j g^a_j x_j and second derivatives b_ab = sum_j c^ab_j x_j; with n = t_1 x t_2 / |.| the curvature is n . b_ab, and
@@ -54,6 +56,9 @@ class CurvatureBending {
   /// numWithoutFit() counts them. held (n), or empty: points that do not move; edges: see DeformableModel::setHeld(), they say
   /// where a clamp ends. Fits beside it use the points of its edge. Fits at the edge are one-sided, with the slope of the patch.
   explicit CurvatureBending(const PlateRest& plate, const std::vector<char>& held = {}, const std::vector<ClampEdge>& edges = {});
+  /// Of a plate with cuts, from the whole one with the same clamps: the rows are found anew near cuts only.
+  CurvatureBending(const BalancedPlate& whole, const PlateRest& cut, const std::vector<char>& held,
+                   const std::vector<ClampEdge>& edges);
 
   /// Marks the other points of the fits that use points.
   void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
@@ -80,6 +85,8 @@ class CurvatureBending {
   Index numHinged() const { return num_hinged_; }
 
  private:
+  explicit CurvatureBending(BalancedPlate&& balanced);
+
   using Row = CurvatureRow;
   // The rows of a fit in terms of the actual points: those of edge points are distributed to the points that these follow.
   struct WholeFit {

@@ -112,6 +112,7 @@ class MassSpring : public DeformableModel,
     Points points;  // (n x 3) at rest
     double membrane_stiffness = 0.0, poisson_ratio = 0.0;
     std::vector<WeightedTriangle> triangles;
+    std::shared_ptr<const TriangleMembrane> membrane;
     std::vector<Link> links, across;                  // stretching and bending springs and
     std::vector<double> stiffness, across_stiffness;  // theirs, N/m
     std::vector<double> masses;
@@ -132,6 +133,7 @@ class MassSpring : public DeformableModel,
   PlateRest plate_;         // the bending is rebuilt from it when other points are held; empty without bending
   std::vector<char> held_;  // of which it was made, with
   std::vector<ClampEdge> edges_;
+  std::shared_ptr<const BalancedPlate> whole_;  // of the bending without cuts and these clamps; made at the first cut
   bool closed_ = false;
   double volume_stiffness_ = 0.0;
   double rest_volume_ = 0.0;

@@ -22,9 +22,10 @@ class TriangleMembrane {
  public:
   TriangleMembrane() = default;
 
-  /// membrane_stiffness = E h, N/m. Triangles without area are omitted.
+  /// membrane_stiffness = E h, N/m. Triangles without area are omitted. whole, or null: a membrane with the same triangles and
+  /// more, in the same order; which of them act together is then taken from it, which is quicker than finding it anew.
   TriangleMembrane(const std::vector<WeightedTriangle>& triangles, const Points& rest, double membrane_stiffness,
-                   double poisson_ratio);
+                   double poisson_ratio, const TriangleMembrane* whole = nullptr);
 
   /// Marks the other corners of the triangles at points, and of those that act together with these.
   void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
@@ -59,7 +60,10 @@ class TriangleMembrane {
     Index points[4];
     Index elements[4];  // of (0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3); -1: not there
   };
+  Patch makeSingle(Index t) const;
+  Patch makePair(Index t, Index u) const;
   void groupTriangles();
+  void takePatches(const TriangleMembrane& whole);
   void prepareForceLoop(Index num_points);
   static std::array<double, 6> constantsOf(const Element& e, Index p, Index q, Index r);
   Index patchOf(Index item) const;  // of incidence_
