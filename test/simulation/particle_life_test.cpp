@@ -136,6 +136,19 @@ TEST(ParticleLife, SamplesThatAreFartherApartThanTheWidestGapAreTold) {
   }
 }
 
+// 225 samples leave no room for more particles, which then lie too far apart.
+TEST(ParticleLife, SamplesThatAGrownSurfaceLeavesAreAWarning) {
+  for (const Index samples : {80, 225}) {
+    simulation::SceneParams p = loadScene("particles_grow");
+    p.cloud.points = samples;
+    const simulation::Simulation s = makeSimulation(p);
+    const auto& warnings = s.buildWarnings();
+    EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(),
+                          [](const std::string& line) { return line.find("the samples moved by") != std::string::npos; }),
+              samples == 225);
+  }
+}
+
 // A warning tells that a grown surface will move by itself, as it does when samples were held in growth and are then let go.
 TEST(ParticleLife, GrownSurfacesThatAreNotAtRestAreAWarning) {
   for (const bool lets_go : {true, false}) {

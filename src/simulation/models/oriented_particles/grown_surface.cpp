@@ -83,6 +83,20 @@ void warnOfUnrest(model::OrientedParticles& particles, std::vector<char> held, c
         formatShort(unrest) + " m/s^2");
 }
 
+// Samples with little room between them leave particles farther apart than they rest, others nearer: a closed surface without a
+// rest shape of its own then shrinks or widens as it relaxes. samples: (m x 3) m, the first particles before growth.
+template <class Warn>
+void warnOfMovedSamples(const Points& samples, double spacing, const State& state, const Warn& warn) {
+  constexpr double kFar = 0.5;  // of the spacing, root of the mean square: spheres of 80 and 120 samples move by 0.3
+  double squares = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) squares += (state.positions[i] - samples[i]).squaredNorm();
+  const double moved = std::sqrt(squares / static_cast<double>(samples.size()));
+  if (moved > kFar * spacing)
+    warn("the samples moved by " + formatShort(moved / spacing) +
+         " spacings (rms) before time 0, as the particles came to their spacing: oriented_particles.rest_shape cloud keeps the "
+         "surface where they are");
+}
+
 // Moves particles nearer to each other than a distance, m, apart to it along the line between them, those in one place along the
 // x axis of the first. Growth and relaxation on both sides of something thin can bring two into nearly one place, where repulsion
 // does not part them. fixed (n) stay. One after the other, in the order of their numbers. Returns the number of pairs that are
@@ -215,6 +229,7 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
     warn("growth ended at growth.max_particles, " + std::to_string(growth.max_particles) + ": the surface is not complete");
   if (!growth.chain) warnOfLonely(particles, state, warn);
   if (is_start) warnOfUnrest(particles, held, trial, warn);
+  if (is_start && !keeps_shape) warnOfMovedSamples(samples, rest_spacing, state, warn);
   if (near_pairs > 0)
     changes.notice +=
         "; " + std::to_string(near_pairs) +
