@@ -14,6 +14,13 @@ namespace {
 // A unit quaternion in float32 is off by less; a larger error means that no rotation was intended.
 constexpr double kUnitTolerance = 1e-3;
 
+// tf interpolates where it knows a later transform than that of the stamp, and then the last bits are others. Replays, which get
+// transforms earlier or later than clouds, shall have the same.
+double withoutLastBits(double value) {
+  constexpr double kSteps = 1 << 30;  // of a metre, or of one: a nanometre, a nanoradian
+  return std::round(kSteps * value) / kSteps + 0.0;
+}
+
 LatestTransform lookUp(const std::string& what, const std::string& source, const std::string& target, const ros::Time& stamp,
                        const tf2::BufferCore& transforms) {
   LatestTransform found;
@@ -21,8 +28,10 @@ LatestTransform lookUp(const std::string& what, const std::string& source, const
     const geometry_msgs::TransformStamped stamped = transforms.lookupTransform(target, source, stamp);
     const geometry_msgs::Transform& t = stamped.transform;
     found.stamp = stamped.header.stamp;
-    found.transform.translate(Vec3(t.translation.x, t.translation.y, t.translation.z));
-    found.transform.rotate(Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z).normalized());
+    const auto round = withoutLastBits;
+    found.transform.translate(Vec3(round(t.translation.x), round(t.translation.y), round(t.translation.z)));
+    found.transform.rotate(
+        Eigen::Quaterniond(round(t.rotation.w), round(t.rotation.x), round(t.rotation.y), round(t.rotation.z)).normalized());
   } catch (const tf2::TransformException& error) {
     throw FrameError(what + ": there is no transform from frame " + quote(source) + " to " + quote(target) + " (" +
                      quote(error.what()) + "); accepted: frames that tf knows at the stamp");
