@@ -27,7 +27,8 @@ struct ClampEdges {
 /// in the region. Edges are found between points to a thousandth of their distance.
 ClampEdges findClampEdges(const ClampedSurface& surface, const std::vector<char>& clamping, const Contains& contains);
 
-/// Which of the points inside, (n), belong to a clamping patch: one wider than a row of points. spacing: of the points, m.
+/// Which of the points inside, (n), belong to a clamping patch: one wider than a row of points, which may follow the rim of a
+/// surface round corners. neighbors: of the points inside and of their neighbours. spacing: of the points, m.
 std::vector<char> markClamping(const Points& points, const Lists& neighbors, const std::vector<char>& inside, double spacing);
 
 /// Adds to clamping (n) those points inside, (n), around which the region is wide enough to hold two rows of points of this

@@ -12,8 +12,14 @@ namespace {
 constexpr double kSameSpacing = 0.9;  // fraction of the simulation points' spacing below which the cloud has more points
 constexpr std::size_t kFewHeld = 6;   // simulation points of a grip below which clamps were off by 5 to 40 % (docs/accuracy.md)
 
-// Of the marked points their first two rings; at the corner of a sheet one is too few to tell a row of points from several.
-Lists findTwoRings(const Lists& ring, const std::vector<char>& marked) {
+// Of points within two rings of marked ones their first two rings; at the corner of a sheet one is too few to tell a row of
+// points from several.
+Lists findTwoRings(const Lists& ring, std::vector<char> marked) {
+  for (int k = 0; k < 2; ++k) {
+    const std::vector<char> before = marked;
+    for (Index i = 0; i < ring.size(); ++i)
+      marked[i] = before[i] || std::any_of(ring.begin(i), ring.end(i), [&](Index j) { return before[j] != 0; });
+  }
   Lists two;
   for (Index i = 0; i < ring.size(); ++i) {
     const std::size_t first = two.items.size();

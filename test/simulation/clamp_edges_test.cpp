@@ -3,6 +3,7 @@
 
 #include "../model/plates.h"
 #include "clouds.h"
+#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/simulation/simulation.h"
 
 #include <gtest/gtest.h>
@@ -92,6 +93,53 @@ TEST(MarkClamping, ARowIsAHingeAndTwoAreAClamp) {
   };
   EXPECT_EQ(count(0.05), 0);
   EXPECT_EQ(count(0.14), 12);
+}
+
+// Round a corner or a curve a row is as wide as a band.
+TEST(MarkClamping, ARowAlongTheRimIsAHingeRoundItsCornersToo) {
+  for (const double jitter : {0.0, 0.2, 0.3}) {
+    const Surface s = makeSheet(11, 11, 1.0, 1.0, jitter);
+    const Lists neighbors = cloud::nearestNeighbors(s.points, 16);
+    const auto count = [&](double wide) {
+      std::vector<char> inside;
+      for (const Vec3& p : s.points) inside.push_back(std::max(std::abs(p.x() - 0.5), std::abs(p.y())) > 0.5 - wide);
+      const std::vector<char> clamping = simulation::markClamping(s.points, neighbors, inside, 0.1);
+      return std::count(clamping.begin(), clamping.end(), 1);
+    };
+    EXPECT_EQ(count(0.05), 0) << jitter;
+    EXPECT_EQ(count(0.15), 40 + 32) << jitter;
+  }
+}
+
+TEST(MarkClamping, TwoRowsOfANarrowStripAreAClamp) {
+  for (const Index across : {2, 3, 4, 5, 6, 8})
+    for (const Index k : {8, 16, 32}) {
+      const Surface s = makeSheet(31, across, 3.0, 0.1 * (across - 1), 0.2);
+      std::vector<char> inside;
+      for (const Vec3& p : s.points) inside.push_back(p.x() <= 0.14);
+      const std::vector<char> clamping = simulation::markClamping(s.points, cloud::nearestNeighbors(s.points, k), inside, 0.1);
+      EXPECT_EQ(std::count(clamping.begin(), clamping.end(), 1), std::count(inside.begin(), inside.end(), 1))
+          << across << ' ' << k;
+    }
+}
+
+// Of the outermost rings of points of a disc, one is a hinge and two are a clamp.
+TEST(MarkClamping, TheRimOfADiscIsAHinge) {
+  for (const Index rings : {8, 12, 20}) {
+    Points points{Vec3::Zero()};
+    for (Index r = 1; r <= rings; ++r)
+      for (Index k = 0; k < 6 * r; ++k)
+        points.emplace_back(0.1 * r * std::cos(k * M_PI / (3 * r) + 0.5 * r), 0.1 * r * std::sin(k * M_PI / (3 * r) + 0.5 * r),
+                            0.0);
+    for (const Index held : {1, 2}) {
+      std::vector<char> inside;
+      for (const Vec3& p : points) inside.push_back(p.norm() > 0.1 * (rings - held) + 0.05);
+      for (const Index k : {16, 32}) {
+        const std::vector<char> clamping = simulation::markClamping(points, cloud::nearestNeighbors(points, k), inside, 0.1);
+        EXPECT_EQ(std::count(clamping.begin(), clamping.end(), 1), held == 1 ? 0 : 6 * (2 * rings - 1)) << rings << ' ' << k;
+      }
+    }
+  }
 }
 
 TEST(MarkWide, ARowClampsWhereTheRegionHoldsMoreOfAFinerCloud) {
