@@ -223,8 +223,8 @@ cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, P
       num_turned += agreement < 0.0;
     }
   s.dense.normals = std::move(normals);
-  static const char* const kRules[] = {"the input's normals", "outward (closed surface)", "towards the viewpoint", "+z"};
-  s.notes.push_back(std::string("normals point by ") + kRules[static_cast<int>(rule)]);
+  static const char* const kRules[] = {"as the input's do", "outward (closed surface)", "towards the viewpoint", "to +z"};
+  s.notes.push_back(std::string("normals point ") + kRules[static_cast<int>(rule)]);
   if (num_turned > 0)
     s.notes.push_back(count(num_turned, "given normals point to the other side of the surface than most, and were turned"));
   return boundary;

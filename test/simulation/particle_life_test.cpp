@@ -144,7 +144,9 @@ TEST(ParticleLife, SamplesThatAGrownSurfaceLeavesAreAWarning) {
     const simulation::Simulation s = makeSimulation(p);
     const auto& warnings = s.buildWarnings();
     EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(),
-                          [](const std::string& line) { return line.find("the samples moved by") != std::string::npos; }),
+                          [](const std::string& line) {
+                            return line.find("the grown surface has left its samples") != std::string::npos;
+                          }),
               samples == 225);
   }
 }

@@ -209,7 +209,7 @@ TEST(RestSurface, TellsOfGivenNormalsThatItTurns) {
                        [&](const std::string& note) { return note.find(words) != std::string::npos; });
   };
   cloud.normals.assign(cloud.positions.size(), -Vec3::UnitZ());
-  EXPECT_TRUE(tells("normals point by the input's normals"));
+  EXPECT_TRUE(tells("normals point as the input's do"));
   EXPECT_FALSE(tells("turned"));
   for (const Index i : {44, 130, 255}) cloud.normals[i] = Vec3::UnitZ();
   EXPECT_TRUE(tells("3 given normals point to the other side of the surface than most, and were turned"));

@@ -13,6 +13,7 @@ namespace {
 
 // A unit quaternion in float32 is off by less; a larger error means that no rotation was intended.
 constexpr double kUnitTolerance = 1e-3;
+constexpr std::size_t kMostOfTf = 300;  // characters of its reason: all of it, unless names of frames are long
 
 // tf interpolates where it knows a later transform than that of the stamp, and then the last bits are others. Replays, which get
 // transforms earlier or later than clouds, shall have the same.
@@ -34,7 +35,8 @@ LatestTransform lookUp(const std::string& what, const std::string& source, const
         Eigen::Quaterniond(round(t.rotation.w), round(t.rotation.x), round(t.rotation.y), round(t.rotation.z)).normalized());
   } catch (const tf2::TransformException& error) {
     throw FrameError(what + ": there is no transform from frame " + quote(source) + " to " + quote(target) + " (" +
-                     quote(error.what()) + "); accepted: frames that tf knows at the stamp");
+                     toPrintable(std::string(error.what()).substr(0, kMostOfTf)) +
+                     "); accepted: frames that tf knows at the stamp");
   }
   if (!found.transform.matrix().allFinite()) {
     throw InputError(what + ": the transform from frame " + quote(source) + " to " + quote(target) +

@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
@@ -83,18 +84,34 @@ void warnOfUnrest(model::OrientedParticles& particles, std::vector<char> held, c
         formatShort(unrest) + " m/s^2");
 }
 
-// Samples with little room between them leave particles farther apart than they rest, others nearer: a closed surface without a
-// rest shape of its own then shrinks or widens as it relaxes. samples: (m x 3) m, the first particles before growth.
+// Tells that the surface has left its samples, (m x 3) m. Samples with little room between them leave particles farther apart
+// than they rest, and denser ones nearer: the surface then shrinks, widens or tears as it relaxes.
 template <class Warn>
-void warnOfMovedSamples(const Points& samples, double spacing, const State& state, const Warn& warn) {
-  constexpr double kFar = 0.5;  // of the spacing, root of the mean square: spheres of 80 and 120 samples move by 0.3
-  double squares = 0.0;
-  for (std::size_t i = 0; i < samples.size(); ++i) squares += (state.positions[i] - samples[i]).squaredNorm();
-  const double moved = std::sqrt(squares / static_cast<double>(samples.size()));
-  if (moved > kFar * spacing)
-    warn("the samples moved by " + formatShort(moved / spacing) +
-         " spacings (rms) before time 0, as the particles came to their spacing: oriented_particles.rest_shape cloud keeps the "
-         "surface where they are");
+void warnOfLeftSamples(const Points& samples, double spacing, bool keeps_shape, const State& state, const Warn& warn) {
+  // Of the spacing, root of the mean square: a lattice on the samples has 0.37.
+  constexpr double kFar = 0.6;
+  const cloud::KdTree tree(state.positions), among(samples);
+  std::vector<cloud::Neighbor> nearest;
+  std::vector<double> apart;
+  double squares = 0.0, most = 0.0;
+  Vec3 place = Vec3::Zero();
+  for (const Vec3& sample : samples) {
+    among.nearest(sample, 2, nearest);
+    apart.push_back(std::sqrt(nearest.back().squared_distance));
+    tree.nearest(sample, 1, nearest);
+    const double squared = nearest.front().squared_distance;
+    squares += squared;
+    if (squared <= most) continue;
+    most = squared;
+    place = sample;
+  }
+  const double far = std::sqrt(squares / static_cast<double>(samples.size()));
+  if (!(far > kFar * spacing)) return;
+  warn("the grown surface has left its samples by " + formatShort(far / spacing) + " spacings (rms of their distances from the " +
+       "nearest particles; " + formatShort(std::sqrt(most) / spacing) + " at " + formatPlace(place) + " m): " +
+       (keeps_shape ? "samples are " + formatShort(findMedian(std::move(apart)) / spacing) +
+                          " spacings from the next (median); another oriented_particles.spacing may do better"
+                    : "oriented_particles.rest_shape cloud keeps it there"));
 }
 
 // Moves particles nearer to each other than a distance, m, apart to it along the line between them, those in one place along the
@@ -229,7 +246,7 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
     warn("growth ended at growth.max_particles, " + std::to_string(growth.max_particles) + ": the surface is not complete");
   if (!growth.chain) warnOfLonely(particles, state, warn);
   if (is_start) warnOfUnrest(particles, held, trial, warn);
-  if (is_start && !keeps_shape) warnOfMovedSamples(samples, rest_spacing, state, warn);
+  if (is_start) warnOfLeftSamples(samples, rest_spacing, keeps_shape, state, warn);
   if (near_pairs > 0)
     changes.notice +=
         "; " + std::to_string(near_pairs) +
