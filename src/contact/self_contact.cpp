@@ -41,6 +41,12 @@ void SelfContact::keepWhole(const std::vector<char>& is_whole) {
   forgetNear();
 }
 
+void SelfContact::setMasses(const std::vector<double>& masses) {
+  if (masses == masses_) return;
+  masses_ = masses;
+  forgetNear();
+}
+
 void SelfContact::setRate(double rate) {
   if (rate == params_.rate) return;
   params_.rate = rate;

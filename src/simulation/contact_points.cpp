@@ -19,14 +19,25 @@ constexpr double kHeaviest = 2.0;
 void ContactPoints::setBetween(std::shared_ptr<const transfer::SampledPoints> between) {
   between_ = std::move(between);
   is_severed_.clear();
+  sharing_.clear();
+  if (between_)
+    for (const Index in_cell : countInCells()) sharing_.push_back(1 + in_cell);
+  followMasses();
+}
+
+// Those that are not spare.
+std::vector<Index> ContactPoints::countInCells() const {
+  std::vector<Index> count(masses_.size(), 0);
+  for (Index s = 0; s < between_->size(); ++s) count[between_->cellOf(s)] += !between_->isSpare(s);
+  return count;
+}
+
+void ContactPoints::followMasses() {
   mass_share_.clear();
   damped_mass_.clear();
   damped_share_ = 0.0;
-  sharing_.clear();
   if (!between_) return;
-  std::vector<Index> count(masses_.size(), 0);
-  for (Index s = 0; s < between_->size(); ++s) count[between_->cellOf(s)] += !between_->isSpare(s);
-  for (const Index in_cell : count) sharing_.push_back(1 + in_cell);
+  const std::vector<Index> count = countInCells();
   for (Index s = 0; s < between_->size(); ++s) {
     const Index cell = between_->cellOf(s);
     mass_share_.push_back(std::min(1.0, kHeaviest * ownMassOf(numSimulated() + s) / masses_[cell]));

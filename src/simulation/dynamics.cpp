@@ -253,6 +253,8 @@ bool Dynamics::applyMaterial() {
   if (!model_->pointMaterials())
     throw InputError("material: found values that differ from those the model was made with; accepted: those, for this model");
   model_->pointMaterials()->setMaterial(now);
+  loads_.contact.followMasses();
+  if (loads_.self_contact) loads_.self_contact->contact.setMasses(model_->masses());
   shares_ = std::move(now);
   return true;
 }

@@ -491,6 +491,26 @@ TEST(SelfContact, OfClosedSurfacesSearchesAllPartsAtOnce) {
   EXPECT_GE(contact.numSearches(), all.numSearches());
 }
 
+TEST(SelfContact, WithOtherMassesIsAsMadeWithThem) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0013, 0.0004);
+  const Points rest = spread(sheets.points, 25);
+  std::vector<double> masses;
+  for (std::size_t i = 0; i < rest.size(); ++i) masses.push_back(massOf(i) * (1.0 + 0.7 * (i % 2)));
+  SelfContact changed = makeContact(sheets, rest), made(rest, sheets.triangles, masses, kParams);
+  changed.potential(sheets.points);
+  changed.setMasses(masses);
+  EXPECT_EQ(changed.potential(sheets.points), made.potential(sheets.points));
+  Points of_changed(rest.size(), Vec3::Zero()), of_made = of_changed, after = sheets.points, after_made = after;
+  changed.addForces(sheets.points, of_changed);
+  made.addForces(sheets.points, of_made);
+  EXPECT_EQ(of_changed, of_made);
+  for (Points* const ends : {&after, &after_made})
+    for (Vec3& p : *ends) p.z() *= 0.2;
+  changed.limit(sheets.points, after);
+  made.limit(sheets.points, after_made);
+  EXPECT_EQ(after, after_made);
+}
+
 TEST(SelfContact, DoesNotDependOnWhatWasAskedBefore) {
   const test::Sheets sheets = test::makeSheets(3, 6, 0.0018, 0.0004);
   const Points rest = spread(sheets.points, 36);

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 #include <random>
 
 namespace deformable_surface::test {
@@ -42,10 +41,9 @@ TEST(ContactPoints, ASimulationPointIsItselfAndAPointBetweenBelongsToItsCell) {
 TEST(ContactPoints, SpringsAndDampingAreWeakWherePointsBetweenFollowALightOne) {
   Sheet sheet;
   const Index n = sheet.points.numSimulated();
-  const std::shared_ptr<const transfer::SampledPoints> between = sheet.points.sharedBetween();
   const double even_share = sheet.points.dampedShare();
   sheet.masses[n / 2] *= 1e-3;
-  sheet.points.setBetween(between);
+  sheet.points.followMasses();
   Index num_weak = 0;
   for (Index p = n; p < sheet.points.size(); ++p) {
     const double of_cell = sheet.masses[sheet.points.simulationPointOf(p)];

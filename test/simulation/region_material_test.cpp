@@ -1,11 +1,12 @@
 // Surfaces of several materials: regions of a scene, and changes while it runs.
-#include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/simulation/rest_surface.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "self_contact_runs.h"
 
 namespace deformable_surface::test {
 namespace {
@@ -91,6 +92,21 @@ TEST(Regions, AllOfTheSurfaceChangedIsAsASurfaceMadeSo) {
   // Factors of two are exact: not even rounding differs.
   EXPECT_EQ(changed.stateHash(), as_made.stateHash());
   EXPECT_EQ(changed.statistics().error_estimate, as_made.statistics().error_estimate);
+}
+
+// Its contact with itself and with the table, too.
+TEST(Regions, AFoldedSheetChangedIsAsOneMadeSo) {
+  ContactScene scene = makeScene("fold", 1, 1.0);
+  MaterialChangeParams change;
+  change.density = 2.0 * scene.params.material.density;
+  Simulation changed(scene.params, scene.cloud);
+  changed.setMaterial(nullptr, change);
+  scene.params.material.density *= 2.0;
+  Simulation as_made(scene.params, scene.cloud);
+  run(changed, 150);
+  run(as_made, 150);
+  EXPECT_GT(as_made.statistics().self_contacts, 0u);
+  EXPECT_EQ(changed.stateHash(), as_made.stateHash());
 }
 
 TEST(Regions, ARegionOfTheSceneIsAsOneThatIsChangedAtRest) {

@@ -52,6 +52,8 @@ class SelfContact {
 
   /// See PairList.
   void keepWhole(const std::vector<char>& is_whole);
+  /// (n) kg, from now on.
+  void setMasses(const std::vector<double>& masses);
   /// See SelfContactParams.
   void setRate(double rate);
   /// m/Pa, of contact between flat layers without a pad: the largest of all places.
@@ -247,7 +249,7 @@ class SelfContact {
   PairList list_;
   PairWatch watch_{list_};
   Clearance clearance_;
-  const std::vector<double> masses_;
+  std::vector<double> masses_;
   SelfContactParams params_;
   Points measured_at_;
   double measured_way_ = -1.0;  // m, for which near_ is complete; negative: it is not

@@ -66,6 +66,10 @@ class ContactLoad : public solve::ExternalLoad {
     points_.setBetween(std::move(between));
     forgetTouches();
   }
+  void followMasses() {
+    points_.followMasses();
+    forgetTouches();
+  }
   void setSevered(std::vector<char> is_severed) {
     points_.setSevered(std::move(is_severed));
     forgetTouches();

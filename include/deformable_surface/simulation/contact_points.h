@@ -23,6 +23,8 @@ class ContactPoints {
 
   /// Null: none.
   void setBetween(std::shared_ptr<const transfer::SampledPoints> between);
+  /// The masses have changed: those of points between are taken anew.
+  void followMasses();
   const transfer::SampledPoints* between() const { return between_.get(); }
   const std::shared_ptr<const transfer::SampledPoints>& sharedBetween() const { return between_; }
   /// Areas at rest, m^2: of each simulation point (m), or, where points come and go, per mass (m^2/kg). Default: none.
@@ -89,6 +91,7 @@ class ContactPoints {
 
  private:
   void numberPart(const ContactPoints& whole, const std::vector<Index>& new_index);
+  std::vector<Index> countInCells() const;
   double sumOfWeights(Index s) const;
   double findDampedShare() const;
 

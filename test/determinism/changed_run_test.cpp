@@ -1,0 +1,78 @@
+// Forks and snapshots of a run in which something has changed that it was made with: they go on from what is, not from what was.
+#include "../../src/simulation/dynamics.h"
+#include "../simulation/self_contact_runs.h"
+
+#include <cmath>
+#include <functional>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+using solve::IntegratorType;
+
+constexpr int kSteps = 5;
+
+std::pair<std::uint64_t, double> goOn(Simulation& s) {
+  run(s, kSteps);
+  const double error = s.statistics().error_estimate;
+  return {s.stateHash(), std::isnan(error) ? -1.0 : error};  // without an estimate
+}
+
+// Copies that are made before the run goes on end as it does, and so does the run itself once it is restored.
+void expectSameCopies(Simulation& s, const SceneParams& p, const cloud::PointCloud& cloud) {
+  const simulation::Snapshot snapshot = s.snapshot();
+  Simulation fork = s.fork(), anew(p, cloud);
+  anew.restore(snapshot);
+  const auto expected = goOn(s);
+  EXPECT_EQ(goOn(fork), expected) << "a fork";
+  EXPECT_EQ(goOn(anew), expected) << "restored in a simulation built anew";
+  s.restore(snapshot);
+  EXPECT_EQ(goOn(s), expected) << "restored in the run";
+}
+
+simulation::MaterialChangeParams densityOf(double density) {
+  simulation::MaterialChangeParams change;
+  change.density = density;
+  return change;
+}
+
+geometry::Region makeBall(const Vec3& center, double radius) { return {geometry::Region::Kind::kSphere, {}, {}, center, radius}; }
+
+tool::ToolParams makeRoughBall() {
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.2;
+  ball.friction = 0.5;
+  ball.path = {{0.0, Vec3(0.6, 0.0, -0.22)}, {0.2, Vec3(0.6, 0.1, -0.1)}};
+  return ball;
+}
+
+TEST(ChangedRun, OfASurfaceThatTouchesItselfGoesOnWithItsNewMasses) {
+  ContactScene scene = makeScene("fold", 1, 1.0);
+  scene.params.contact.friction = 0.3;
+  Simulation s(scene.params, scene.cloud);
+  run(s, 100);
+  s.setMaterial(nullptr, densityOf(3.0 * scene.params.material.density));
+  run(s, 50);
+  ASSERT_GT(s.statistics().self_contacts, 0u);
+  expectSameCopies(s, scene.params, scene.cloud);
+}
+
+// Of points between simulation points, contact with a tool is damped by masses of their own.
+TEST(ChangedRun, OfASheetOnAToolGoesOnWithItsNewMasses) {
+  SceneParams p = hangingSheet();
+  p.tools = {makeRoughBall()};
+  Simulation s(p, sheetCloud());
+  run(s, 12);
+  ASSERT_FALSE(s.contacts().empty());
+  const geometry::Region half = makeBall(Vec3(0.6, 0.2, 0.0), 0.25);
+  s.setMaterial(&half, densityOf(5.0 * p.material.density));
+  run(s, 2);
+  ASSERT_FALSE(s.contacts().empty());
+  expectSameCopies(s, p, sheetCloud());
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
