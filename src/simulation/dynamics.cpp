@@ -42,10 +42,12 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
       activity_(params.sleep, rest_->points, findSpacing(rest_->area, rest_->points.size()), params.integrator.time_step, *model_,
                 canBeInParts()) {
   chosen_.made = params.material;
+  chosen_.made_for = params.integrator.type;
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
-  makeSelfContact(std::move(made));
   if (params.contact.compliance > 0.0)
-    loads_.contact.setCompliance(params.contact.compliance, findContactAreas(params, *rest_, *model_));
+    loads_.contact.setCompliance(params.contact.compliance,
+                                 made.is_fork ? std::move(made.areas) : findContactAreas(params, *rest_, *model_));
+  makeSelfContact(std::move(made));
   loads_.forces.setDropped(rest_->across);
   num_links_ = model_->links() ? static_cast<Index>(model_->links()->stretchLinks().size()) : 0;
 }
@@ -66,7 +68,7 @@ void Dynamics::makeSelfContact(Made made) {
   meeting.hardens = is_static || params_.integrator.type == solve::IntegratorType::kImplicit;
   meeting.is_body = !traits.is_surface;
   meeting.compliance = params_.contact.compliance;
-  if (meeting.compliance > 0.0) meeting.areas = findContactAreas(params_, *rest_, *model_).of_points;
+  meeting.areas = loads_.contact.points().areas().of_points;
   if (!made.meeting) made.meeting = std::make_shared<const ContactSkin>(rest_->points, kind_.findSkin(*rest_, *model_));
   const auto make = [&] {
     loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, made.meeting, *model_, meeting);

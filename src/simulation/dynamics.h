@@ -164,7 +164,8 @@ class Dynamics {
     std::unique_ptr<model::DeformableModel> model;
     std::shared_ptr<const ContactSkin> meeting;  // null: that of the model, which is not cut; of a fork: it has no contact
     bool is_fork = false;
-    bool looks_first = false;  // of a fork: see SelfContactParams
+    bool looks_first = false;      // of a fork: see SelfContactParams
+    ContactPoints::Areas areas{};  // of a fork: see ContactPoints
   };
   static Made take(RestSurface&& rest);
   Dynamics(const SceneParams& params, Made made);
@@ -293,7 +294,9 @@ class Dynamics {
   struct Chosen {
     double membrane_share = 1.0;                                      // from each reset on
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // another: replaces auto, from each reset on
-    model::MaterialParams made;                                       // the material that the model was made with
+    // What it was made with.
+    model::MaterialParams made;
+    solve::IntegratorType made_for = solve::IntegratorType::kAuto;
   } chosen_;
   std::optional<std::vector<model::WeightedTriangle>> skin_;  // of a body: see outside()
   bool has_between_ = false;                                  // the contact's points between simulation points were asked for

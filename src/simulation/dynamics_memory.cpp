@@ -90,8 +90,11 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
 
 std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
   const SelfContactLoads* const self = loads_.self_contact.get();
-  std::unique_ptr<Dynamics> fork(new Dynamics(
-      params_, Made{rest_, model_->clone(), self ? self->skin() : nullptr, true, self && self->contact.looksFirst()}));
+  SceneParams params = params_;
+  params.integrator.type = chosen_.made_for;  // contact is made for it; restore() sets the one of now
+  Made made{rest_, model_->clone(), self ? self->skin() : nullptr, true, self && self->contact.looksFirst()};
+  made.areas = loads_.contact.points().areas();
+  std::unique_ptr<Dynamics> fork(new Dynamics(params, std::move(made)));
   fork->chosen_ = chosen_;
   fork->shares_ = shares_;
   fork->growth_notice_ = growth_notice_;

@@ -74,5 +74,30 @@ TEST(ChangedRun, OfASheetOnAToolGoesOnWithItsNewMasses) {
   expectSameCopies(s, p, sheetCloud());
 }
 
+TEST(ChangedRun, OfASheetOnAPadKeepsItsAreas) {
+  SceneParams p = hangingSheet();
+  p.tools = {makeRoughBall()};
+  p.contact.compliance = 1e-4;
+  Simulation s(p, sheetCloud());
+  run(s, 12);
+  const geometry::Region half = makeBall(Vec3(0.6, 0.2, 0.0), 0.25);
+  s.setMaterial(&half, densityOf(5.0 * p.material.density));
+  run(s, 2);
+  ASSERT_FALSE(s.contacts().empty());
+  expectSameCopies(s, p, sheetCloud());
+}
+
+// Contact is made for the integrator of the scene: springs harden and damping sets in gradually for implicit steps alone.
+TEST(ChangedRun, WithAnotherIntegratorKeepsItsContact) {
+  SceneParams p = hangingSheet();
+  p.tools = {makeRoughBall()};
+  Simulation s(p, sheetCloud());
+  s.dynamics().chooseIntegrator(IntegratorType::kImplicit);
+  run(s, 12);
+  ASSERT_FALSE(s.contacts().empty());
+  Simulation fork = s.fork();
+  EXPECT_EQ(goOn(fork), goOn(s));
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -33,6 +33,7 @@ class ContactPoints {
     double per_mass = 0.0;
   };
   void setAreas(Areas areas) { areas_ = std::move(areas); }
+  const Areas& areas() const { return areas_; }
   /// m^2: of the simulation point; if it is shared, an equal part of it for this point and each of those between in its cell that
   /// are not spare.
   double areaOf(Index p, bool is_shared) const;
