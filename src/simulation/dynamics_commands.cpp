@@ -10,6 +10,8 @@ namespace deformable_surface::simulation {
 
 Changes Dynamics::apply(const Command& command) {
   Changes changes = std::visit([&](const auto& c) { return perform(c); }, command);
+  // Not only in the next step: a state saved before it must know that the march begins anew.
+  if (model_->clamping()) clampHeld();
   follow(changes);
   return changes;
 }

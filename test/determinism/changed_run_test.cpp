@@ -99,5 +99,28 @@ TEST(ChangedRun, WithAnotherIntegratorKeepsItsContact) {
   EXPECT_EQ(goOn(fork), goOn(s));
 }
 
+// Other clamps void what the march has measured. A state that is saved before the next step knows it.
+TEST(ChangedRun, WithOtherHeldPointsGoesOnFromBeforeTheNextStep) {
+  const std::function<void(Simulation&)> changes[] = {
+      [](Simulation& s) { s.pin(makeBall(Vec3(0.5, 0.5, 0.0), 0.3)); },
+      [](Simulation& s) { s.unpin(makeBall(Vec3(0.0, 0.5, 0.0), 0.3)); },
+      [](Simulation& s) { s.removeTool("hand"); },
+  };
+  for (const auto& change : changes) {
+    SCOPED_TRACE(&change - changes);
+    SceneParams p = hangingSheet();
+    tool::ToolParams hand;
+    hand.id = "hand";
+    hand.mode = tool::Mode::kMove;
+    hand.shape.radius = 0.3;
+    hand.path = {{0.0, Vec3(1.0, 0.5, 0.0)}, {0.5, Vec3(0.8, 0.5, 0.2)}};
+    p.tools = {hand};
+    Simulation s(p, sheetCloud());
+    run(s, 10);
+    change(s);
+    expectSameCopies(s, p, sheetCloud());
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
