@@ -67,6 +67,12 @@ bool isDamping(IntegratorType type) {
   return type == IntegratorType::kImplicit || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
 }
 
+// Whether its sub-steps are those that its method chose. Notices do not tell: most are given once, and a fork or a restored run
+// gives them again.
+bool isAsMeant(const Dynamics::Outcome& taken) {
+  return taken.retried.kind == solve::StepFailure::Kind::kNone && taken.report.fallbacks == 0;
+}
+
 // The simulation points that points of the cloud in the target's regions follow, ascending.
 std::vector<Index> findFollowed(const RestSurface& level, const SceneParams& params) {
   const cloud::KdTree tree(level.points);
@@ -276,7 +282,7 @@ std::string ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
     std::tie(shadow, twin) = stepBoth(*shadow_, *twin_);
   }
   const bool both_moved = shadow_->lastSubsteps() > 0 && twin_->lastSubsteps() > 0;
-  if (shadow.notice.empty() && twin.notice.empty() && both_moved) {
+  if (isAsMeant(shadow) && isAsMeant(twin) && both_moved) {
     seen_.substeps += substeps;
     seen_.shadow_substeps += shadow_->lastSubsteps();
     seen_.twin_substeps += twin_->lastSubsteps();

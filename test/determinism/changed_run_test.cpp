@@ -122,5 +122,23 @@ TEST(ChangedRun, WithOtherHeldPointsGoesOnFromBeforeTheNextStep) {
   }
 }
 
+// That a force acts on pinned points is told once in a run, and once in each of its coarser copies.
+TEST(ChangedRun, HasTheSameEstimateWhateverHasBeenTold) {
+  SceneParams p = hangingSheet();
+  p.integrator.type = IntegratorType::kVerlet;
+  Simulation s(p, sheetCloud());
+  run(s, 5);
+  simulation::MaterialChangeParams stiffer;
+  stiffer.young_modulus = 30.0 * p.material.young_modulus;  // takes other numbers of sub-steps
+  s.setMaterial(nullptr, stiffer);
+  s.setForce({"useless", Vec3(0.0, 0.5, 0.0), Vec3(0.0, 0.0, 0.01), 0.0, 0.0, 1.0});
+  const simulation::Snapshot snapshot = s.snapshot();
+  EXPECT_NE(s.step().notice, "");
+  const double expected = s.statistics().error_estimate;
+  s.restore(snapshot);
+  run(s, 1);
+  EXPECT_EQ(s.statistics().error_estimate, expected);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
