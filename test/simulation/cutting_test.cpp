@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <random>
 
 namespace deformable_surface::test {
 namespace {
@@ -152,6 +153,43 @@ TEST(Cutting, AForkOfACutSheetBesideAToolGoesOnBitForBit) {
   EXPECT_EQ(viewer.surface(true).positions, s.surface(true).positions);
   run(s, 5);
   run(fork, 5);
+  EXPECT_EQ(fork.stateHash(), s.stateHash());
+}
+
+// How finely a knife's way is followed depends on the links of the whole surface. The first knife takes the longest ones.
+TEST(Cutting, AForkOfACutSheetIsCutOnAsTheSheetIs) {
+  std::mt19937 random(5);
+  const auto draw = [&](double from, double to) { return from + (to - from) * static_cast<double>(random()) / 4294967296.0; };
+  Points points;
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 14; ++j) points.emplace_back(0.05 * i, 0.07 * j + draw(-0.01, 0.01), 0.0);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 6; ++j) points.emplace_back(0.62 + 0.17 * i + draw(-0.03, 0.03), 0.18 * j + draw(-0.03, 0.03), 0.0);
+  simulation::SceneParams p = stillSheet();
+  p.accuracy.estimate = false;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.tools[0].shape.size = Vec3(1.5, 0.01, 1.5);
+  p.tools[0].path = {{0.0, Vec3(1.35, -0.7, 0.0)}, {0.1, Vec3(1.35, 2.0, 0.0)}};
+  for (int k = 0; k < 20; ++k) {
+    tool::ToolParams blade = knife();
+    blade.id = "blade " + std::to_string(k);
+    blade.shape.size = Vec3(draw(0.001, 0.01), 0.05, draw(0.01, 0.4));
+    blade.path.clear();
+    for (const double time : {0.15, 0.18})
+      blade.path.push_back({time, Vec3(draw(0.0, 0.5), time < 0.16 ? -0.7 : 0.7, draw(-0.2, 0.1)),
+                            Vec4(draw(-1.0, 1.0), draw(-1.0, 1.0), draw(-1.0, 1.0), 1.0).normalized()});
+    p.tools.push_back(blade);
+  }
+  simulation::Simulation s(p, asCloud(points));
+  const std::size_t whole = stretchLinksOf(s.model()).size();
+  run(s, 13);
+  const std::size_t begun = stretchLinksOf(s.model()).size();
+  EXPECT_LT(begun, whole);
+  simulation::Simulation fork = s.fork();
+  run(s, 10);
+  run(fork, 10);
+  EXPECT_LT(stretchLinksOf(s.model()).size(), begun);
+  EXPECT_EQ(stretchLinksOf(fork.model()), stretchLinksOf(s.model()));
   EXPECT_EQ(fork.stateHash(), s.stateHash());
 }
 

@@ -35,6 +35,8 @@ void Cutting::setCuts(const std::vector<Link>& cuts) {
   if (cuts.empty()) return;
   auto kept = std::make_shared<Cuts>();
   kept->links = model_.cuts();
+  kept->spacing = spacing_;
+  kept->longest = longest_;
   cuts_ = std::move(kept);
 }
 
@@ -42,6 +44,9 @@ void Cutting::setCuts(const std::vector<Link>& cuts) {
 void Cutting::setMemory(const std::shared_ptr<const Memory>& saved) {
   cuts_ = std::static_pointer_cast<const Cuts>(saved);
   model_.setCuts(cuts_ ? cuts_->links : std::vector<Link>());
+  if (!cuts_) return;
+  spacing_ = cuts_->spacing;
+  longest_ = cuts_->longest;
 }
 
 std::uint64_t Cutting::addToHash(std::uint64_t hash) const {

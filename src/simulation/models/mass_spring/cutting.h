@@ -33,6 +33,7 @@ class Cutting : public Evolution, public solve::Breaking {
  private:
   struct Cuts : Memory {
     std::vector<Link> links;
+    double spacing = 0.0, longest = 0.0;  // m, see below: a fork is made with a model that is cut
     std::size_t bytes() const override { return links.size() * sizeof(Link); }
   };
 
@@ -45,7 +46,7 @@ class Cutting : public Evolution, public solve::Breaking {
 
   model::MassSpring& model_;
   const double tear_strain_;
-  double spacing_ = 0.0, longest_ = 0.0;    // m, mean and largest length of links at rest
+  double spacing_ = 0.0, longest_ = 0.0;    // m, mean and largest length at rest of the links of the whole surface
   std::shared_ptr<const Cuts> cuts_;        // of the model; null: none
   std::shared_ptr<const Cuts> begun_with_;  // when the last step began
   bool may_cut_ = false;                    // in this step
