@@ -108,8 +108,9 @@ Dynamics::Made Dynamics::take(RestSurface&& rest) {
 }
 
 void Dynamics::reset() {
+  const bool was_cut = evolution_->memory() != nullptr;
   evolution_->forget();
-  followCuts();
+  if (was_cut) followCuts();
   State& points = now_.points;
   points.positions = rest_->points;
   points.velocities.assign(rest_->points.size(), Vec3::Zero());
@@ -211,8 +212,7 @@ void Dynamics::placePointsBetween() {
 
 // The parts of contact that are cut with the surface.
 void Dynamics::followCuts() {
-  SelfContactLoads* const self = loads_.self_contact.get();
-  if (self && (evolution_->memory() || self->isCut())) self->followCut(*model_);
+  if (loads_.self_contact) loads_.self_contact->followCut(*model_);
 }
 
 // Positions are new. Looks for what crosses itself, if that is to be pushed apart.

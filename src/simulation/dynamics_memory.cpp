@@ -55,8 +55,9 @@ void Dynamics::restore(const DynamicsState& saved, bool to_look) {
 // For a refused step; for a snapshot, after its settings.
 void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   const auto& [waiting, motion, holding, settings] = saved;
+  const bool was_cut = evolution_->memory() != nullptr;
   evolution_->setMemory(holding.evolution);
-  followCuts();
+  if (was_cut || holding.evolution) followCuts();
   now_ = motion;
   placePointsBetween();
   adopt(*model_, now_.points);

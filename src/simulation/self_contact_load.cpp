@@ -48,9 +48,11 @@ SelfContactLoads::SelfContactLoads(const Points& rest, std::shared_ptr<const Con
 
 void SelfContactLoads::followCut(const model::DeformableModel& model) {
   std::vector<char> is_whole = skin_->findWhole(trianglesOf(model));
-  if (is_whole == is_whole_) return;
-  is_whole_ = std::move(is_whole);
-  contact.keepWhole(is_whole_);
+  if (is_whole != is_whole_) {
+    is_whole_ = std::move(is_whole);
+    contact.keepWhole(is_whole_);
+  }
+  // Also where only links are cut that lie in none of these triangles.
   limit.setParts(labelParts(static_cast<Index>(limit.parts().size()), skin_->triangles, is_whole_, stretchLinksOf(model)));
 }
 

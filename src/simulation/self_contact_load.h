@@ -150,7 +150,6 @@ class SelfContactLoads {
   SelfContactLoads& operator=(const SelfContactLoads&) = delete;
 
   const std::shared_ptr<const ContactSkin>& skin() const { return skin_; }
-  bool isCut() const { return std::count(is_whole_.begin(), is_whole_.end(), char{0}) > 0; }
   /// Leaves out what is no longer among the triangles of the model.
   void followCut(const model::DeformableModel& model);
   /// Checks whether the loads may act in a step of this length (s), and chooses how to push crossed parts apart if they are to be

@@ -1,5 +1,7 @@
 // Contact of a surface with itself where it is cut or torn.
 #include "../../src/simulation/self_contact_load.h"
+#include "deformable_surface/model/mass_spring/mass_spring.h"
+#include "deformable_surface/simulation/rest_surface.h"
 #include "self_contact_runs.h"
 
 #include "../support/whole_triangles.h"
@@ -35,6 +37,30 @@ TEST(SelfContactCuts, WhatIsCutOrTornDoesNotCrossItself) {
     EXPECT_GT(touched, 0) << name;
   }
   EXPECT_GT(runWithCuts(makeScene("cut_and_drop", 3, 0.8, Type::kImplicit), 80).first, 0u);
+}
+
+// Overlapping triangles are left out of contact. What hangs on links of these alone is a part of its own once they are cut.
+TEST(SelfContactCuts, PartsAreThoseOfTheLinksAlsoWhereAllTrianglesOfContactAreWhole) {
+  simulation::RestSurface rest = simulation::buildRestSurface(hangingSheet(), sheetCloud());
+  auto& model = dynamic_cast<model::MassSpring&>(*rest.model);
+  std::vector<model::WeightedTriangle> left;
+  for (const model::WeightedTriangle& t : model.triangles())
+    if (std::all_of(t.corner, t.corner + 3, [&](Index i) { return rest.points[i].x() < 0.5; })) left.push_back(t);
+  contact::SelfContactParams params;
+  params.thickness = 1e-3;
+  simulation::SelfContactLoads loads(rest.points, std::make_shared<const simulation::ContactSkin>(rest.points, left), model,
+                                     params);
+  const auto countParts = [&] { return 1 + *std::max_element(loads.limit.parts().begin(), loads.limit.parts().end()); };
+  EXPECT_EQ(countParts(), 1);
+  std::vector<model::MassSpring::Link> cuts;
+  for (const auto& [i, j] : model.stretchLinks())
+    if ((rest.points[i].x() < 0.7) != (rest.points[j].x() < 0.7)) cuts.emplace_back(i, j);
+  model.setCuts(cuts);
+  loads.followCut(model);
+  EXPECT_EQ(countParts(), 2);
+  model.setCuts({});
+  loads.followCut(model);
+  EXPECT_EQ(countParts(), 1);
 }
 
 TEST(SelfContactCuts, TheRunOfACutSurfaceCanBeContinuedCopiedAndReset) {
