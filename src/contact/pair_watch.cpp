@@ -67,11 +67,8 @@ void PairWatch::look(const Points& positions, double way, const Points& from, co
   list_.update(positions, end_, {list_.largestReachFor(way) + allowance, 1.0, std::numeric_limits<double>::infinity(), spare});
   watched_.clear();
   list_.collectByCouple(watched_, watched_parts_, [&](Index couple, const Pair& pair, double least, std::vector<Watched>& list) {
-    double squared = 0.0;
-    for (int v = 0; v < pair.numFirst(); ++v)
-      for (int w = pair.numFirst(); w < 4; ++w)
-        squared = std::max(squared, (motion_.way[pair.vertices[v]] - motion_.way[pair.vertices[w]]).squaredNorm());
-    const double nearing = std::sqrt(squared), within = pair.reachFor(way) + allowance + nearing;
+    const double nearing = pair.findRelativeWay([&](int v) -> const Vec3& { return motion_.way[pair.vertices[v]]; });
+    const double within = pair.reachFor(way) + allowance + nearing;
     if (!(least < within)) return;
     const Closest closest = findClosest(pair, positions);
     const double distance = std::sqrt(closest.squaredDistance());

@@ -249,10 +249,7 @@ bool SelfContact::mustStop(const Points& before, const Points& after, bool conti
     return ways;
   };
   const auto hasRoom = [](const Pair& pair, double distance, const std::array<Vec3, 4>& ways) {
-    double nearing = 0.0;  // squared, at most
-    for (int v = 0; v < pair.numFirst(); ++v)
-      for (int w = pair.numFirst(); w < 4; ++w) nearing = std::max(nearing, (ways[v] - ways[w]).squaredNorm());
-    return kOfRoom * (distance - kLeast * pair.thickness) > std::sqrt(nearing);
+    return kOfRoom * (distance - kLeast * pair.thickness) > pair.findRelativeWay([&](int v) -> const Vec3& { return ways[v]; });
   };
   const auto exceedsRoom = [&](const Near& near) {
     const std::array<Vec3, 4> ways = waysOf(near.pair);

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -28,7 +29,16 @@ struct Pair {
 
   Index numFirst() const { return is_edges ? 2 : 1; }  // vertices of the first primitive
   /// m: a pair that is farther apart does not touch, nor would it come too near on a relative way, m.
-  double reachFor(double way) const { return std::max(thickness, kLeast * thickness + way); }
+  double reachFor(double way) const { return reachFor(thickness, way); }
+  static double reachFor(double thickness, double way) { return std::max(thickness, kLeast * thickness + way); }
+  /// m: how far a vertex of one primitive moves against one of the other, at most. wayOf(k): m, of the pair's k-th vertex.
+  template <class WayOf>
+  double findRelativeWay(const WayOf& wayOf) const {
+    double squared = 0.0;
+    for (int v = 0; v < numFirst(); ++v)
+      for (int w = numFirst(); w < 4; ++w) squared = std::max(squared, (wayOf(v) - wayOf(w)).squaredNorm());
+    return std::sqrt(squared);
+  }
 };
 
 inline Closest findClosest(const Pair& pair, const Points& positions) {
@@ -149,7 +159,7 @@ class PairList {
   const Patches& patches() const { return patches_; }
   double thickness() const { return thickness_; }
   /// m, of all pairs: see Pair::reachFor().
-  double largestReachFor(double way) const { return std::max(thickness_, Pair::kLeast * thickness_ + way); }
+  double largestReachFor(double way) const { return Pair::reachFor(thickness_, way); }
   double medianEdge() const { return median_edge_; }  // m, at rest
   /// Number of triangles that are crossed by edges of others, at rest or at the last findCrossed().
   Index numCrossed() const { return num_crossed_; }

@@ -81,8 +81,7 @@ class PairWatch {
   void visitNear(Index begin, Index end, double way, const Visit& visit) {
     for (Index c = begin; c < end; ++c) {
       const Couple& couple = couples_[c];
-      const double most = std::max(couple.thickness, Pair::kLeast * couple.thickness + way);
-      if (!(couple.least - couple.aside < (1.0 + kRounding) * most)) continue;
+      if (!(couple.least - couple.aside < (1.0 + kRounding) * Pair::reachFor(couple.thickness, way))) continue;
       for (std::size_t k = couple.begin; k < couple.end; ++k) {
         Watched& watched = watched_[k];
         const double least = watched.distance - share_ * watched.nearing - couple.aside;
