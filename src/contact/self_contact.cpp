@@ -66,7 +66,7 @@ bool SelfContact::findCrossed(const Points& positions) {
   return has_changed;
 }
 
-const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positions, double way) {
+std::vector<SelfContact::Near>& SelfContact::measure(const Points& positions, double way) {
   if (way <= measured_way_ && positions == measured_at_) return near_;
   way = std::max(way, usual_way_);
   near_.clear();
@@ -191,12 +191,12 @@ Index SelfContact::countTouching(const Points& positions) {
 std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, const Points& velocities,
                                                       const std::vector<PairAnchor>& anchors) {
   std::vector<SelfContactForce> list;
-  for (const Near& near : measure(positions)) {
+  for (Near& near : measure(positions)) {
     if (!touches(near)) continue;
     const double depth = near.pair.thickness - near.distance;
     Vec3 force = findSpring(near).force / near.distance * near.closest.gap;
     if (params_.friction > 0.0) {
-      const Rub rub = findRub(near, positions, anchors);
+      const Rub rub = findRub(near, positions, findAnchor(near, anchors, 0));
       force += rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slid);
     }
     list.push_back({near.pair, near.closest, depth, force});

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
+
+#include "find_place.h"
 
 namespace deformable_surface::contact {
 namespace {
@@ -145,10 +148,13 @@ void SelfContact::collide(double settled) {
 
 void SelfContact::exchangeAgain() {
   if (last_exchanges_.empty()) return;
+  Index place = 0;
   for (Approach& approach : approaches_) {
-    const auto at =
-        std::lower_bound(last_exchanges_.begin(), last_exchanges_.end(), Exchange{approach.vertices, approach.num_first, {}});
-    if (at == last_exchanges_.end() || at->num_first != approach.num_first || at->vertices != approach.vertices) continue;
+    const Exchange key{approach.vertices, approach.num_first, {}};
+    place = findPlace(last_exchanges_, key, place, std::less<Exchange>());
+    if (place == static_cast<Index>(last_exchanges_.size())) continue;
+    const Exchange* const at = &last_exchanges_[place];
+    if (at->num_first != approach.num_first || at->vertices != approach.vertices) continue;
     for (int v = 0, k = 0; v < approach.num_first; ++v)
       for (int w = approach.num_first; w < 4; ++w, ++k) exchange(approach, v, w, approach.pushed[k], at->pushed[k]);
   }

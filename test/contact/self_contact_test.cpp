@@ -251,6 +251,37 @@ TEST(SelfContact, FrictionHoldsUpToItsLimitAndKeepsMomentum) {
   }
 }
 
+// The places of anchors are remembered with the pairs: other anchors at the same positions are found as well.
+TEST(SelfContact, FrictionDoesNotDependOnTheAnchorsBefore) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0019, 0.0);
+  const auto make = [&] { return makeContact(sheets, spread(sheets.points, 25), withFriction(0.5)); };
+  const Points still(sheets.points.size(), Vec3::Zero());
+  std::vector<PairAnchor> all, odd, first;
+  make().moveAnchors(sheets.points, still, kStep, all);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (k % 2 == 1) odd.push_back(all[k]);
+    if (k < 5) first.push_back(all[k]);
+  }
+  Points moved = sheets.points;
+  for (std::size_t i = 25; i < moved.size(); ++i) moved[i].x() += 1e-6;
+  SelfContact contact = make();
+  for (const std::vector<PairAnchor>& anchors : {all, odd, {}, first, all, first, odd}) {
+    Points forces(moved.size(), Vec3::Zero()), expected = forces;
+    contact.addFriction(moved, still, anchors, forces);
+    make().addFriction(moved, still, anchors, expected);
+    EXPECT_EQ(forces, expected) << anchors.size();
+    std::vector<PairAnchor> next = anchors, expected_next = anchors;
+    contact.moveAnchors(moved, still, kStep, next);
+    make().moveAnchors(moved, still, kStep, expected_next);
+    ASSERT_EQ(next.size(), all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      EXPECT_EQ(next[k].vertices, all[k].vertices);
+      EXPECT_EQ(next[k].is_edges, all[k].is_edges);
+      EXPECT_EQ(next[k].offset, expected_next[k].offset);
+    }
+  }
+}
+
 TEST(SelfContact, WhatSlidesHasTheKineticCoefficient) {
   const test::Sheets sheets = test::makeSheets(2, 5, 0.0019, 0.0);
   SelfContactParams params = withFriction(0.5);

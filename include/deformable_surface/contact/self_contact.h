@@ -94,7 +94,7 @@ class SelfContact {
   // Friction by FrictionLaw: the spring of a sticking pair has the stiffness and damping of its contact spring. anchors: of the
   // sticking pairs, ascending; other pairs begin to stick at their present places.
   void addFriction(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors, Points& forces);
-  /// The same as if nothing moved.
+  /// The same as if nothing moved, of the pairs that have anchors.
   void addFrictionAtRest(const Points& positions, const std::vector<PairAnchor>& anchors, Points& forces);
   /// Energy of the friction springs, J.
   double frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors);
@@ -153,6 +153,7 @@ class SelfContact {
     // Only of pairs that touch. N/m, of a spring with weight 1, and 1/s, of the oscillation that damping is a share of the
     // critical one of.
     double stiffness = 0.0, rate = 0.0;
+    Index place = -1;  // where its anchor was, or would have been, when it was looked for last; -1: it was not
   };
   // A near pair, projected on its gap.
   struct Approach {
@@ -185,7 +186,12 @@ class SelfContact {
     double slid;               // m, since the parts last stuck
     const PairAnchor* anchor;  // null: a new contact
   };
-  Rub findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const;
+  /// Of the pair; null: it has none. guess: where it may be, if it was not looked for before.
+  static const PairAnchor* findAnchor(Near& near, const std::vector<PairAnchor>& anchors, Index guess);
+  Rub findRub(const Near& near, const Points& positions, const PairAnchor* anchor) const;
+  /// Calls visit(near, rub) for the pairs that touch.
+  template <class Visit>
+  void forEachRub(const Points& positions, const std::vector<PairAnchor>& anchors, const Visit& visit);
   /// Sliding velocity, m/s, along the surfaces.
   static Vec3 findSliding(const Near& near, const Points& velocities);
 
@@ -201,7 +207,7 @@ class SelfContact {
   /// Adds the block, given at the gap, to the blocks of the pair's vertices.
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
   /// The pairs that touch, or may come too near on a relative way, m.
-  const std::vector<Near>& measure(const Points& positions, double way = 0.0);
+  std::vector<Near>& measure(const Points& positions, double way = 0.0);
   double penalty(const Pair& pair) const;    // N/m, without a pad
   double stiffness(const Pair& pair) const;  // N/m
   /// Sets Near::stiffness, and Near::rate to that of the least mass on this spring.
@@ -270,7 +276,8 @@ class SelfContact {
   std::vector<Index> zone_;                           // by point: another point of its zone, or itself
   std::vector<char> is_cut_;
   std::vector<Index> cut_;
-  std::vector<PairAnchor> next_;
+  std::vector<PairAnchor> next_, begun_;
+  std::vector<char> is_kept_;  // (anchors)
   std::vector<Push> pushes_;
 };
 
