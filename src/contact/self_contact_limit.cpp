@@ -321,6 +321,7 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
     else
       findAllApproaches(before, longest);
     if (approaches_.empty()) return cut_;
+    num_near_ += approaches_.size();
     is_cut_.assign(n, 0);
     collide(kSettled * longest);
     if (raises == kRaises || !allowMore(longest)) break;

@@ -141,6 +141,7 @@ double SelfContact::ownCompliance() const {
 void SelfContact::addForces(const Points& positions, Points& forces) {
   for (const Near& near : measure(positions)) {
     if (!touches(near)) continue;
+    ++num_near_;
     const Pair& pair = near.pair;
     const Vec3 force = findSpring(near).force / near.distance * near.closest.gap;
     for (int v = 0; v < 4; ++v) forces[pair.vertices[v]] += near.closest.weight[v] * force;

@@ -154,7 +154,7 @@ void Dynamics::reset() {
   reported_loose_ = 0;
   has_reported_grazing_ = has_told_compliance_ = has_told_dicing_ = false;
   implicit_work_ = {};
-  contact_work_ = {contact_work_.visits};
+  contact_work_ = {contact_work_.near};
   Changes all;
   all.loads = all.parts = all.motion = all.everywhere = true;
   follow(all);

@@ -321,9 +321,9 @@ class Dynamics {
     bool is_told = false;
   } implicit_work_;
   struct ContactWork {
-    std::size_t visits = 0;  // of pairs, at the end of the last step
-    double pairs = 0.0;      // a point and sub-step, in all steps since the last look
-    Index steps = 0;         // these
+    std::size_t near = 0;  // pairs, in all sub-steps until the end of the last step
+    double pairs = 0.0;    // a point and sub-step, in all steps since the last look
+    Index steps = 0;       // these
     bool is_told = false;
   } contact_work_;
   UntanglingProgress untangling_;

@@ -173,8 +173,6 @@ class PairList {
   double usualReach() const { return kUsualReach * usual_radius_; }
   /// Number of searches of couples of patches.
   Index numSearches() const { return num_searches_; }
-  /// How often pairs of the lists were visited.
-  std::size_t numVisits() const { return num_visits_; }
 
  private:
   static constexpr Index kCouplesAtOnce = 128;  // a task: some microseconds if nothing is near

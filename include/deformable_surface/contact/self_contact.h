@@ -135,6 +135,9 @@ class SelfContact {
   /// Forgets the motion since the last mayTouch(), for a call of limit() outside of a step.
   void forgetMotion();
   Index numSearches() const { return list_.numSearches(); }
+  /// Number of pairs that touched in addForces(), and that limit() has let collide, in all their calls: tells how much work
+  /// contact is. It does not depend on lists.
+  std::size_t numNear() const { return num_near_; }
   /// Number of pairs that the last limit() has let collide.
   Index numApproaches() const { return static_cast<Index>(approaches_.size()); }
   const PairList& pairs() const { return list_; }
@@ -278,6 +281,7 @@ class SelfContact {
   std::vector<Index> cut_;
   std::vector<PairAnchor> next_, begun_;
   std::vector<char> is_kept_;  // (anchors)
+  std::size_t num_near_ = 0;
   std::vector<Push> pushes_;
 };
 
