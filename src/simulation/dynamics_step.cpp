@@ -31,8 +31,8 @@ constexpr Index kCheapSubsteps = 20;
 // Pairs that touch, and pairs that may collide where any are stopped, in a sub-step, for each point, on average over
 // kStepsPerLook steps. Towels that are folded, two grippers and a knot had at most 1.8 and steps that took 2 to 3 times those
 // without contact; layers that lie on each other, of 0.05 to 1.5 spacings, 5.4 and 3 to 10 times; a shirt that hangs 8 and 8
-// times. Most twisted strips, crushed tubes, sheets in closing boxes and fast folds had 11 to 40, and steps that took 10 to 40
-// times as long. Six twisted strips with 1 to 5 and up to 15 times are not told.
+// times. Other twisted strips, crushed tubes, sheets in closing boxes and fast folds had 14 to 40, and steps that took 10 to 40
+// times as long. Seven twisted strips with 1 to 11 and up to 19 times are not told.
 constexpr double kManyPairs = 10.0;
 constexpr Index kDiced = 8;        // points without links that a step with a knife leaves; cuts along an edge leave none
 constexpr int kMostSettling = 20;  // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
