@@ -87,8 +87,9 @@ void warnOfUnrest(model::OrientedParticles& particles, std::vector<char> held, c
 // Tells that the surface has left its samples, (m x 3) m. Samples with little room between them leave particles farther apart
 // than they rest, and denser ones nearer: the surface then shrinks, widens or tears as it relaxes.
 template <class Warn>
-void warnOfLeftSamples(const Points& samples, double spacing, bool keeps_shape, const State& state, const Warn& warn) {
-  // Of the spacing, root of the mean square: a lattice on the samples has 0.37.
+void warnOfLeftSamples(const Points& samples, double noise, double spacing, bool keeps_shape, const State& state,
+                       const Warn& warn) {
+  // Of the spacing, root of the mean square: a lattice on the samples has 0.37. Noise, in spacings, comes to it.
   constexpr double kFar = 0.6;
   const cloud::KdTree tree(state.positions), among(samples);
   std::vector<cloud::Neighbor> nearest;
@@ -106,7 +107,7 @@ void warnOfLeftSamples(const Points& samples, double spacing, bool keeps_shape, 
     place = sample;
   }
   const double far = std::sqrt(squares / static_cast<double>(samples.size()));
-  if (!(far > kFar * spacing)) return;
+  if (!(far > std::hypot(kFar, noise) * spacing)) return;
   warn("the grown surface has left its samples by " + formatShort(far / spacing) + " spacings (rms of their distances from the " +
        "nearest particles; " + formatShort(std::sqrt(most) / spacing) + " at " + formatPlace(place) + " m): " +
        (keeps_shape ? "samples are " + formatShort(findMedian(std::move(apart)) / spacing) +
@@ -246,7 +247,7 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
     warn("growth ended at growth.max_particles, " + std::to_string(growth.max_particles) + ": the surface is not complete");
   if (!growth.chain) warnOfLonely(particles, state, warn);
   if (is_start) warnOfUnrest(particles, held, trial, warn);
-  if (is_start) warnOfLeftSamples(samples, rest_spacing, keeps_shape, state, warn);
+  if (is_start) warnOfLeftSamples(samples, growth.noise, rest_spacing, keeps_shape, state, warn);
   if (near_pairs > 0)
     changes.notice +=
         "; " + std::to_string(near_pairs) +
