@@ -44,9 +44,9 @@ double measureSpacing(Index i, const Points& x, const Lists& ring) {
   return sum / std::max(Index{1}, ring.count(i));
 }
 
-// Whether the nearest neighbours of a point lie to one side of it: the length of the sum of their ways from it, over the sum of
-// their lengths, is 0.45 at the edge of a grid, and about 0.1 within jittered points. Far ones have less weight, since those of a
-// lattice are as many in all directions only by the ring.
+// Whether the nearest neighbours of a point lie to one side of it. Compared are the length of the sum of their ways from it and
+// the sum of the lengths. The ratio is 0.45 at the edge of a grid, and about 0.1 within jittered points. The farthest of them
+// have little weight: some of their ring are left out, which would look one-sided.
 bool isOnRim(Index i, const Points& points, const Lists& neighbors) {
   constexpr Index kNearest = 10;
   constexpr double kOneSided = 0.3;

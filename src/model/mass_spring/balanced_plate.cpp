@@ -31,19 +31,6 @@ std::vector<Index> listMarked(const std::vector<char>& marked) {
   return list;
 }
 
-// Marks all points within some rings of marked ones.
-void growRings(const Lists& ring, int rings, std::vector<char>& marked) {
-  std::vector<Index> found = listMarked(marked);
-  std::size_t next = 0;
-  for (int depth = 0; depth < rings; ++depth)
-    for (const std::size_t end = found.size(); next < end; ++next)
-      for (const Index* j = ring.begin(found[next]); j != ring.end(found[next]); ++j)
-        if (!marked[*j]) {
-          marked[*j] = 1;
-          found.push_back(*j);
-        }
-}
-
 // Of a plate with cuts, beside the whole one.
 class CutPlate {
  public:

@@ -102,19 +102,23 @@ bool solveClamped(const Small<0, 5>& design, const Weights& root_weight, const E
 
 }  // namespace
 
-std::vector<char> markBesideClamps(const ClampedPlate& clamped) {
-  const Lists& ring = clamped.plate.ring;
-  std::vector<char> marked(ring.size(), 0);
+void growRings(const Lists& ring, int rings, std::vector<char>& marked) {
   std::vector<Index> found;
-  for (Index i = clamped.num_points; i < ring.size(); ++i) found.push_back(i);
-  for (const Index i : found) marked[i] = 1;
+  for (Index i = 0; i < ring.size(); ++i)
+    if (marked[i]) found.push_back(i);
   std::size_t next = 0;
-  for (int depth = 0; depth < kRingsAtClamps; ++depth)
+  for (int depth = 0; depth < rings; ++depth)
     for (const std::size_t end = found.size(); next < end; ++next)
       for (Index k = 0; k < ring.count(found[next]); ++k) {
         const Index j = ring.begin(found[next])[k];
         if (!std::exchange(marked[j], 1)) found.push_back(j);
       }
+}
+
+std::vector<char> markBesideClamps(const ClampedPlate& clamped) {
+  std::vector<char> marked(clamped.plate.ring.size(), 0);
+  std::fill(marked.begin() + clamped.num_points, marked.end(), char{1});
+  growRings(clamped.plate.ring, kRingsAtClamps, marked);
   return marked;
 }
 

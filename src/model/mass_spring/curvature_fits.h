@@ -34,6 +34,9 @@ struct CurvatureFits {
 /// The fits of some points, in their order. Parallel.
 CurvatureFits fitCurvatures(const ClampedPlate& clamped, const std::vector<Index>& points);
 
+/// Marks all points within so many rings of marked ones, (n).
+void growRings(const Lists& ring, int rings, std::vector<char>& marked);
+
 /// (n) 1: within a few rings of a clamp's edge, where fits are smaller.
 std::vector<char> markBesideClamps(const ClampedPlate& clamped);
 
