@@ -54,7 +54,7 @@ std::string describeChange(const solve::TimeMarch::Outcome& outcome, const Integ
   if (outcome.type == IntegratorType::kVerlet && outcome.verlet_substeps <= params.max_substeps)
     return "integrator.type auto: verlet is used again, as its sub-steps are within max_substeps";
   if (outcome.type == IntegratorType::kVerlet)
-    return "integrator.type auto: verlet is used again: it may need " + std::to_string(outcome.verlet_substeps) +
+    return "integrator.type auto: verlet is used: it may need " + std::to_string(outcome.verlet_substeps) +
            " sub-steps per step, more than max_substeps " + std::to_string(params.max_substeps) +
            ", but implicit steps took far more work";
   return "integrator.type auto: verlet may need " + std::to_string(outcome.verlet_substeps) +

@@ -160,8 +160,11 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
+    report.passes += newton_.takePasses();
     const bool is_enough = report.residual <= enough, is_untouched = report.iterations == first;
     if (is_enough && (!is_untouched || report.residual <= untouched)) break;
+    report.is_given_up = report.passes > most_passes_;
+    if (report.is_given_up) break;
     problem.enough = is_enough ? untouched : enough;  // of a direction that is not needed for more than its motion
     // What contact stops and cannot move on, it bears, once all else is in balance.
     const bool is_over =
@@ -200,6 +203,7 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   const double kinetic = system.kineticEnergy(state), begin = system.potentialEnergy(time, state) + kinetic;
   const double energy = system.potentialEnergy(time + step, state) + kinetic;
   solve(system, time + step, step, before.positions, before.velocities, energy, state, report);
+  if (report.is_given_up) return report;
   report.carrying_work = system.workAgainst(time + step, state, before.positions, state.positions);
   EnergyBudget budget;
   budget.add(step, step, system.drivingPower(time + step, step, state), *this, state);
@@ -220,11 +224,13 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   report.substeps = 1;
   before_ = state;
   stage_.setInterrupt(interrupt_);
+  stage_.setMostPasses(most_passes_);
   const double kinetic = system.kineticEnergy(state), begin = system.potentialEnergy(time, state) + kinetic;
   const double energy = system.potentialEnergy(time + step, state) + kinetic;
   const Index n = state.size();
 
   stage_.solve(system, time + part, part, before_.positions, before_.velocities, energy, state, report);
+  if (report.is_given_up) return report;
   EnergyBudget budget;
   budget.add(rest, part, system.drivingPower(time + part, part, state), stage_, state);
   // The start of the second stage: the first one's velocity and acceleration over the rest of the step.
@@ -238,6 +244,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   // The work of what moves held points, by the weights of the method.
   report.carrying_work = system.workAgainst(time + part, state, before_.positions, from_);
   stage_.solve(system, time + step, part, from_, velocity_, energy, state, report);
+  if (report.is_given_up) return report;
   budget.add(part, part, system.drivingPower(time + step, part, state), stage_, state);
   *report.carrying_work += system.workAgainst(time + step, state, from_, state.positions);
   const double potential = system.potentialEnergy(time + step, state);
@@ -252,6 +259,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   state = before_;
   const Index iterations = report.iterations;
   const double passes = report.passes;
+  stage_.setMostPasses(most_passes_ - passes);
   report = stage_.takeEulerStep(system, time, step, before_, state);
   report.iterations += iterations;
   report.passes += passes;

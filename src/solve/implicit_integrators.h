@@ -6,6 +6,8 @@
 #include "newton.h"
 #include "quasi_newton.h"
 
+#include <limits>
+
 namespace deformable_surface::solve {
 
 /// Removes kinetic energy above a limit from the motion after an implicit step.
@@ -34,6 +36,8 @@ class ImplicitStage {
              State& state, SolveReport& report);
   /// For the solutions from now on, see Integrator.
   void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
+  /// Solutions end once report.passes exceeds this, and say so.
+  void setMostPasses(double most_passes) { most_passes_ = most_passes; }
 
   /// One step of implicit Euler from `before`, which equals state. First order, stable at every step, and dissipative: a mode
   /// of frequency w loses the factor (1 + (w h)^2)^(-1/2) per step. Where the energy is not convex between two states (collapse,
@@ -52,6 +56,7 @@ class ImplicitStage {
   EnergyLimit energy_limit_;
   BearingParts stopped_;  // at the start of the search
   const std::atomic<bool>* interrupt_ = nullptr;
+  double most_passes_ = std::numeric_limits<double>::infinity();
   Points from_, target_, guess_, begin_;
   std::vector<double> weight_, rounding_;
   double enough_ = 0.0;  // N, the unbalanced force that the tolerance allows
@@ -66,12 +71,14 @@ class ImplicitSecondOrder : public Integrator {
  public:
   explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params) {}
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
+  void setMostPasses(double most_passes) override { most_passes_ = most_passes; }
 
  private:
   ImplicitStage stage_;
   EnergyLimit energy_limit_;
   State before_;
   Points from_, velocity_;
+  double most_passes_ = std::numeric_limits<double>::infinity();
 };
 
 /// Each step is the equilibrium under the loads at its end; velocities are zero. QuasiNewton searches it first. If that fails,

@@ -43,11 +43,14 @@ constexpr Index kPortion = 32;      // sub-steps between two looks at the stable
 // Parts of an implicit step in which something breaks: others must bear its share, or no longer, before they break, too. In
 // jerked sheets of 1000 points with steps of 10 ms as many links tear as with steps of 1.25 ms.
 constexpr Index kBreakingParts = 8;
-// Auto leaves a method that takes so many times the work of the other. Of implicit steps that is seen after a first one that
-// takes eight times the work of Verlet's sub-steps, and after five that take four times as much.
+// Auto leaves a method that takes so many times the work of the other: implicit steps after five that take four times the work of
+// Verlet's sub-steps.
 constexpr double kCostly = 2.0;
 // Weight of an implicit step in the mean of their work: of the first one, and of others, as single ones may need many iterations.
 constexpr double kLearnFirst = 0.25, kLearn = 0.125;
+// Times Verlet's work at which an implicit step is given up. It is then the first of a new mean, with which auto leaves the
+// method.
+constexpr double kHopelessWork = kCostly / kLearnFirst;
 // Of that mean, forgotten in each step by Verlet: after 140 steps or more the implicit method is tried again.
 constexpr double kForgetWork = 0.01;
 constexpr Index kHopeless = 1000000;  // sub-steps in a step: minutes for small surfaces; the step is refused instead
@@ -80,6 +83,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.iterations += part.iterations;
   total.passes += part.passes;
   total.is_quasi_newton = part.is_quasi_newton;
+  total.is_given_up = part.is_given_up;
   total.residual = std::max(total.residual, part.residual);
   total.unbalanced = std::max(total.unbalanced, part.unbalanced);
   total.is_out_of_iterations = total.is_out_of_iterations || part.is_out_of_iterations;
@@ -149,6 +153,7 @@ void TimeMarch::chooseIntegrator(Outcome& outcome) {
     const double passes = countVerletPasses(params_.time_step, share, most_inner_, system_, memory_);
     const bool fits = substeps <= params_.max_substeps || passes <= worthOfImplicit();
     wanted = fits ? IntegratorType::kVerlet : IntegratorType::kImplicit;
+    if (!fits) most_implicit_passes_ = fineness_ * kHopelessWork * passes;
     outcome.has_changed_type = wanted != memory_.type && (!fits || memory_.type == IntegratorType::kImplicit);
     outcome.verlet_substeps = substeps;
   }
@@ -238,6 +243,14 @@ SolveReport TimeMarch::advance(double time, double share, State& state) {
   return total;
 }
 
+// The step as it is tried first: where its method has sub-steps, with bold ones, and with outer steps for slow forces, as long as
+// they keep the energy.
+SolveReport TimeMarch::advanceBoldly(double time, Index most_inner, State& state) {
+  is_bold_ = memory_.cautious == 0 && hasSubsteps();
+  most_inner_ = is_bold_ ? most_inner : 1;
+  return advance(time, is_bold_ ? findBoldness(system_, memory_) : 1.0, state);
+}
+
 // Verlet sub-steps, each at most a share of the safe one, are taken in portions. The stable step is checked between
 // portions: the surface can change within a long step.
 SolveReport TimeMarch::advancePart(double time, double part, double share, State& state) {
@@ -286,7 +299,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
 // Repeats the whole step from its beginning with the implicit method, in equal parts; in more of them if something breaks.
 SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state) {
   const SolveReport report = takeImplicitParts(time, parts, state);
-  if (!has_broken_ || !report.finite || parts >= kBreakingParts || isInterrupted()) return report;
+  if (!has_broken_ || !report.finite || report.is_given_up || parts >= kBreakingParts || isInterrupted()) return report;
   return takeImplicitParts(time, kBreakingParts, state);
 }
 
@@ -297,11 +310,14 @@ SolveReport TimeMarch::takeImplicitParts(double time, Index parts, State& state)
   work_ = dissipated_ = 0.0;
   substeps_needed_ = 0;
   SolveReport total;
-  for (Index k = 0; k < parts && total.finite && !isInterrupted(); ++k) {
+  for (Index k = 0; k < parts && total.finite && !total.is_given_up && !isInterrupted(); ++k) {
     const double from = time + k * part;
     beginPortion(state);
-    SolveReport report = integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state);
+    Integrator& implicit = integrator(IntegratorType::kImplicit);
+    implicit.setMostPasses(most_implicit_passes_ - implicit_passes_);
+    SolveReport report = implicit.advance(system_, from, part, 0.0, state);
     implicit_passes_ += report.passes;
+    if (report.is_given_up) return report;
     work_ += *report.carrying_work + system_.loadWork(from, from + part, portion_start_, state);
     if (report.finite) report.breakStretched(system_, state);
     followBreaks(report);
@@ -336,6 +352,10 @@ void TimeMarch::goBack(double time, State& state) {
   memory_.max_substep = max_substep_before_;
   memory_.estimate_needed = true;
   refreshStableStep(time, state);
+}
+
+bool TimeMarch::hasSubsteps() const {
+  return memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
 }
 
 bool TimeMarch::estimatesStableStep() const {
@@ -402,6 +422,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   const Memory at_begin = memory();
   before_ = state;
   implicit_passes_ = 0.0;
+  most_implicit_passes_ = std::numeric_limits<double>::infinity();
   has_broken_ = false;
   guard_.beginStep(system_, time, state);
   if (estimatesStableStep()) {
@@ -409,17 +430,21 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     lengthenSubsteps(time, state);
   }
   max_substep_before_ = memory_.max_substep;
-  // Outer steps for slow forces, as long as they keep the energy. Where forces dissipate by an unknown amount, as friction does,
-  // its account does not show resonances.
+  // Where forces dissipate by an unknown amount, as friction does, the account of energy does not show resonances.
   const bool is_accounted = !system_.mayDissipateInForces(time, params_.time_step, state);
-  most_inner_ = memory_.cautious == 0 && memory_.cautious_slow == 0 && is_accounted ? kMostInner : 1;
+  const Index most_inner = memory_.cautious == 0 && memory_.cautious_slow == 0 && is_accounted ? kMostInner : 1;
+  most_inner_ = most_inner;
   chooseIntegrator(outcome);
-
-  // Bold sub-steps, on the same condition.
-  const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
-  const bool bold = memory_.cautious == 0 && has_substeps;
-  if (!bold) most_inner_ = 1;
-  report = advance(time, bold ? findBoldness(system_, memory_) : 1.0, state);
+  report = advanceBoldly(time, most_inner, state);
+  most_implicit_passes_ = std::numeric_limits<double>::infinity();
+  if (report.is_given_up && !isInterrupted()) {
+    outcome.has_changed_type = at_begin.type == IntegratorType::kImplicit || at_begin.implicit_work == 0.0;
+    outcome.type = memory_.type = IntegratorType::kVerlet;
+    memory_.implicit_work = std::max(memory_.implicit_work, kLearnFirst * implicit_passes_ / fineness_);
+    implicit_passes_ = 0.0;
+    goBack(time, state);
+    report = advanceBoldly(time, most_inner, state);
+  }
   bool sound = isSound(time, report, state);
   if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {
     memory_.cautious_slow = std::max(memory_.cautious_slow, kCautious);
@@ -427,7 +452,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     --memory_.cautious_slow;
   }
   if (most_inner_ > 1 && !isInterrupted()) watchResonance();
-  if (bold && !isInterrupted() && !(sound && guard_.isCalm(kCalm))) {
+  if (is_bold_ && !isInterrupted() && !(sound && guard_.isCalm(kCalm))) {
     most_inner_ = 1;
     memory_.cautious = kCautious;
     goBack(time, state);
@@ -438,7 +463,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   }
 
   // A failed step is repeated with finer sub-steps or parts, and by auto implicitly in the end.
-  const bool can_be_finer = has_substeps || memory_.type == IntegratorType::kImplicit;
+  const bool can_be_finer = hasSubsteps() || memory_.type == IntegratorType::kImplicit;
   // If there were too many sub-steps, the step was implicit already, and would be again.
   bool was_implicit = is_too_stiff_;
   for (double share = 0.5;

@@ -80,7 +80,7 @@ TEST(StepMessages, AChangeOfTheIntegratorIsSaidBothWays) {
       "integrator.type auto: verlet may need 70 sub-steps per step, more than max_substeps 50; implicit is used, which damps");
   outcome.type = IntegratorType::kVerlet;
   EXPECT_EQ(describeChange(outcome, params),
-            "integrator.type auto: verlet is used again: it may need 70 sub-steps per step, more than max_substeps 50, but "
+            "integrator.type auto: verlet is used: it may need 70 sub-steps per step, more than max_substeps 50, but "
             "implicit steps "
             "took far more work");
   outcome.verlet_substeps = 40;

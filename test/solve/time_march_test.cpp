@@ -312,6 +312,8 @@ Index count(const std::vector<solve::IntegratorType>& types, solve::IntegratorTy
 
 TEST(TimeMarch, AutoReturnsToMoreSubstepsThanMaxSubstepsWhereImplicitStepsTakeFarMoreWork) {
   March m(1.0);
+  const Rubbing rubbing;  // so that slow forces act in every sub-step
+  m.loads.push_back(&rubbing);
   m.params.max_substeps = 10;
   m.model.stable_step = 0.02 / (kCostOfImplicit / 4);
   const auto [types, changes] = findTypes(m, 100);
@@ -320,6 +322,27 @@ TEST(TimeMarch, AutoReturnsToMoreSubstepsThanMaxSubstepsWhereImplicitStepsTakeFa
   EXPECT_EQ(types.back(), solve::IntegratorType::kVerlet);
   EXPECT_EQ(changes, 2);
   EXPECT_GT(m.countSubsteps(), m.params.max_substeps);
+}
+
+// Its first implicit step is given up after one of the two matrices that it needs.
+TEST(TimeMarch, AutoTakesAStepByVerletOnceAnImplicitOneTurnsOutToBeFarMoreWork) {
+  March m(1.0), verlet(1.0);
+  m.params.max_substeps = 1;
+  verlet.params.type = solve::IntegratorType::kVerlet;
+  for (int k = 0; k < 100; ++k) {
+    const solve::TimeMarch::Outcome taken = m.march.step(0.01 * k, m.state);
+    ASSERT_TRUE(taken.ok && verlet.march.step(0.01 * k, verlet.state).ok);
+    ASSERT_EQ(taken.type, solve::IntegratorType::kVerlet);
+    EXPECT_EQ(taken.has_changed_type, k == 0);
+    EXPECT_EQ(taken.report.fallbacks, 0);
+    EXPECT_GT(taken.report.substeps, m.params.max_substeps);
+    if (k == 0) {
+      EXPECT_GT(m.march.memory().implicit_work, 0.25 * 0.4 * kCostOfImplicit);
+      EXPECT_LT(m.march.memory().implicit_work, 0.25 * 0.6 * kCostOfImplicit);
+    }
+    ASSERT_EQ(m.state.positions, verlet.state.positions);
+    ASSERT_EQ(m.state.velocities, verlet.state.velocities);
+  }
 }
 
 TEST(TimeMarch, AutoTriesImplicitStepsAgainWhenItsKnowledgeOfTheirWorkIsOld) {

@@ -24,6 +24,7 @@ struct SolveReport {
   double residual = 0.0;         // N, the largest unbalanced force on a free point
   double unbalanced = 0.0;  // share of the largest force that was left by searches that did not converge; the largest of them
   bool is_out_of_iterations = false;  // one of these took max_iterations; the others came no nearer
+  bool is_given_up = false;           // it took more work than it may: the state is no result of a step
   double dissipated = 0.0;  // J, that damping by mass took out of the motion; of Verlet for points without orientation, else 0
   // J, work of what moves held points against the forces on them; of Verlet also in collisions (MotionLimit). Of Verlet, of
   // symplectic Euler where something may break, of implicit steps, and of static steps that move them in parts, else unknown.
@@ -52,6 +53,8 @@ class Integrator {
   /// stay within a safe share of max_slow_step, s. Only Verlet makes use of it; until it is called, all forces act in every
   /// sub-step.
   virtual void setSlowStep(double /*max_slow_step*/, Index /*most_inner*/) {}
+  /// Steps end once their work exceeds this, in evaluations of all forces. Only implicit steps make use of it.
+  virtual void setMostPasses(double /*most_passes*/) {}
   /// The model's forces have changed since the end of the last step, though the positions may be the same.
   virtual void forgetForces() {}
   /// Overwrites forces (n x 3) with the model's, on held points too, if the last step ended at this state and kept them.

@@ -11,7 +11,6 @@
 #include <map>
 
 namespace deformable_surface::solve {
-/// Why a step failed. Numbers only: simulation/step_messages.h makes the sentence.
 /// Why what was tried is no step. Numbers alone: whoever shows it makes the sentence.
 struct StepFailure {
   enum class Kind { kNone, kInterrupted, kTooManySubsteps, kNotFinite, kLeftSpace, kGainedEnergy };
@@ -72,10 +71,11 @@ class TimeMarch {
     SolveReport report;
     // What a user should know of a step that succeeded.
     IntegratorType type = IntegratorType::kAuto;  // how the step was tried first; not kAuto
-    bool has_changed_type = false;                // `auto` has changed between verlet and implicit
-    Index verlet_substeps = 0;                    // that verlet needs by estimate, for auto
-    StepFailure retried;                          // why the step was taken once more, the last time; of no kind: it was not
-    bool is_retried_implicitly = false;           // that time; else with finer sub-steps or parts
+    // `auto` has changed between verlet and implicit, or has tried an implicit step for the first time and given it up.
+    bool has_changed_type = false;
+    Index verlet_substeps = 0;           // that verlet needs by estimate, for auto
+    StepFailure retried;                 // why the step was taken once more, the last time; of no kind: it was not
+    bool is_retried_implicitly = false;  // that time; else with finer sub-steps or parts
   };
   /// Advances the state from time (s) by params.time_step.
   Outcome step(double time, State& state);
@@ -102,6 +102,7 @@ class TimeMarch {
   Integrator& integrator(IntegratorType type);
   void refreshStableStep(double time, const State& state);
   void lengthenSubsteps(double time, const State& state);
+  SolveReport advanceBoldly(double time, Index most_inner, State& state);
   SolveReport advance(double time, double share, State& state);
   SolveReport advancePart(double time, double part, double share, State& state);
   SolveReport advanceImplicitly(double time, Index parts, State& state);
@@ -109,6 +110,7 @@ class TimeMarch {
   void followBreaks(const SolveReport& report);
   void takeBreaksBack();
   void goBack(double time, State& state);
+  bool hasSubsteps() const;
   bool estimatesStableStep() const;
   bool splitsLoads() const;
   void watchResonance();
@@ -139,12 +141,14 @@ class TimeMarch {
   double max_substep_before_ = 0.0;
   bool has_broken_ = false;        // something, in the step
   bool has_less_stretch_ = false;  // than when the stable step was estimated
+  bool is_bold_ = false;           // the step was tried with bold sub-steps
   Index most_inner_ = 1;           // sub-steps in which slow forces may act once
   bool is_too_stiff_ = false;      // for auto: more sub-steps than it takes
   Index substeps_needed_ = 0;      // if there are too many of them to be taken
   double implicit_passes_ = 0.0;   // of the step: work of all that was tried implicitly, in evaluations of all forces
-  double work_ = 0.0;              // J, put in during the step by loads without a potential
-  double dissipated_ = 0.0;        // J, taken out during the step by damping by mass
+  double most_implicit_passes_ = std::numeric_limits<double>::infinity();  // of these, until the step is given up
+  double work_ = 0.0;        // J, put in during the step by loads without a potential
+  double dissipated_ = 0.0;  // J, taken out during the step by damping by mass
 };
 
 }  // namespace deformable_surface::solve
