@@ -21,6 +21,8 @@ constexpr int kHalvings = 12;
 // Spacings of the cloud. A region of twice the spacing holds two rows wherever they lie. The ends of links, which lie around
 // their point, appear wider by up to a fifth.
 constexpr double kWide = 2.5;
+// Of the points that a pin holds: fewer that are not like the others are not worth a word, as at the tips of a patch.
+constexpr double kHingedShare = 0.1;
 
 // Where the region ends between a place inside and one outside, as a fraction of their distance.
 double findEnd(const Vec3& inside, const Vec3& outside, const Contains& contains) {
@@ -175,15 +177,23 @@ bool canClamp(const SceneParams& params) { return findModel(params.model).isPlat
 
 namespace {
 
-// Notes pins that do not clamp.
+// Notes pins that do not clamp, or at some of their points only.
 void noteHinges(const SceneParams& params, const Points& dense, const std::vector<char>& clamping, RestSurface& s) {
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
-    bool clamps = false;
-    for (std::size_t i = 0; i < dense.size(); ++i) clamps |= clamping[i] && params.pins[p].region.contains(dense[i]);
-    if (!clamps)
-      s.notes.push_back("pins[" + std::to_string(p) +
-                        "] is a hinge: it holds one row of points or less, about which the surface "
-                        "turns; a pin of two rows clamps");
+    Index held = 0, clamps = 0;
+    for (std::size_t i = 0; i < dense.size(); ++i) {
+      const bool is_held = params.pins[p].region.contains(dense[i]);
+      held += is_held;
+      clamps += is_held && clamping[i];
+    }
+    const std::string name = "pins[" + std::to_string(p) + "] is a hinge";
+    if (clamps == 0) {
+      s.notes.push_back(name + ": it holds one row of points or less, about which the surface turns; a pin of two rows clamps");
+    } else if (held - clamps > kHingedShare * held && clamps > kHingedShare * held) {
+      s.notes.push_back(
+          name + " at " + std::to_string(held - clamps) + " of the " + std::to_string(held) +
+          " points that it holds, where these are one row, and clamps at the others: a wider pin clamps everywhere");
+    }
   }
 }
 
