@@ -17,21 +17,26 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kFarAnchor = 5.0;  // spacings: the nearest simulation point is nearer also where few points are simulated
+constexpr double kFarPoint = 5.0;   // spacings: the nearest simulation point is nearer also where few points are simulated
 constexpr double kHalfTurn = 2e-3;  // rad from 180 degrees: orientations are written with three digits and more
 
-void noteFarAnchors(const SceneParams& params, RestSurface& s) {
-  if (params.anchors.empty() || s.points.empty()) return;
-  const double reach = kFarAnchor * cloud::findTypicalSpacing(s.points);
+// Forces with a radius are noted as they begin.
+void noteFarPoints(const SceneParams& params, RestSurface& s) {
+  std::vector<std::pair<std::string, Vec3>> points;
+  for (std::size_t a = 0; a < params.anchors.size(); ++a)
+    points.emplace_back("anchors[" + std::to_string(a) + "]", params.anchors[a].point);
+  for (std::size_t f = 0; f < params.forces.size(); ++f)
+    if (params.forces[f].radius == 0.0) points.emplace_back("forces[" + std::to_string(f) + "]", params.forces[f].point);
+  if (points.empty() || s.points.empty()) return;
+  const double reach = kFarPoint * cloud::findTypicalSpacing(s.points);
   const cloud::KdTree tree(s.points);
   std::vector<cloud::Neighbor> nearest;
-  for (std::size_t a = 0; a < params.anchors.size(); ++a) {
-    tree.nearest(params.anchors[a].point, 1, nearest);
+  for (const auto& [name, point] : points) {
+    tree.nearest(point, 1, nearest);
     const double distance = std::sqrt(nearest[0].squared_distance);
     if (!(distance > reach)) continue;
-    s.notes.push_back("anchors[" + std::to_string(a) + "]: no simulation point lies within " + formatShort(kFarAnchor) +
-                      " spacings, " + formatShort(reach) + " m; it acts on the nearest one, " + formatShort(distance) +
-                      " m from its point");
+    s.notes.push_back(name + ": no simulation point lies within " + formatShort(kFarPoint) + " spacings, " + formatShort(reach) +
+                      " m; it acts on the nearest one, " + formatShort(distance) + " m from its point");
   }
 }
 
@@ -52,7 +57,7 @@ void addNotes(const SceneParams& params, RestSurface& s) {
   noteHalfTurns(params, s);
   noteUnconstrained(params, s);
   noteStaticContact(params, s);
-  noteFarAnchors(params, s);
+  noteFarPoints(params, s);
   warnOfClosePoints(s);
   noteNarrowGaps(s);
   warnOfOpenSeams(s);

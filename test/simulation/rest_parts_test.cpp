@@ -123,10 +123,16 @@ TEST(RestParts, ColumnsThatAreNoNormalsAreTold) {
   ASSERT_EQ(simulation::cleanInput(cloud).notes.size(), 1u);
 }
 
-TEST(RestParts, AnAnchorFarFromThePointsIsTold) {
+TEST(RestParts, AnchorsAndForcesFarFromThePointsAreTold) {
   SceneParams params;
   params.anchors.push_back({Vec3(10.0, 0.0, 0.0), Vec3(10.0, 0.0, 1.0), 1.0});
   params.anchors.push_back({Vec3(0.52, 0.41, 0.03), Vec3(0.5, 0.4, 1.0), 1.0});
+  for (const double x : {1.0, 3.0}) {
+    params.forces.emplace_back();
+    params.forces.back().point = Vec3(x, 0.0, 0.0);
+  }
+  params.forces.push_back(params.forces[1]);
+  params.forces[2].radius = 0.1;  // told as it begins
   const RestSurface s = simulation::buildRestSurface(params, asCloud(makeGrid()), 3);
   std::string notes;
   for (const std::string& note : s.notes) notes += note + "\n";
@@ -134,6 +140,11 @@ TEST(RestParts, AnAnchorFarFromThePointsIsTold) {
             std::string::npos)
       << notes;
   EXPECT_EQ(notes.find("anchors[1]"), std::string::npos) << notes;
+  EXPECT_EQ(notes.find("forces[0]"), std::string::npos) << notes;
+  EXPECT_NE(notes.find("forces[1]: no simulation point lies within 5 spacings, 0.5 m; it acts on the nearest one, 2"),
+            std::string::npos)
+      << notes;
+  EXPECT_EQ(notes.find("forces[2]"), std::string::npos) << notes;
 }
 
 // A grid of 11 x 3 points, one apart, whose first columns are pinned.
