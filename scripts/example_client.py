@@ -26,7 +26,7 @@ pause(True)
 x, y = np.meshgrid(np.linspace(0.0, 0.4, 41), np.linspace(0.0, 0.2, 21))
 points = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
 cloud.publish(point_cloud2.create_cloud_xyz32(Header(stamp=rospy.Time.now(), frame_id="world"), points))
-rospy.wait_for_message(SURFACE + "deformed", PointCloud2)
+rospy.wait_for_message(SURFACE + "deformed", PointCloud2, timeout=30)  # s; if it ends, the node's log says why the cloud was refused
 
 edge = SelectRegionRequest(primitive=SolidPrimitive(type=SolidPrimitive.BOX, dimensions=[0.02, 1.0, 0.02]))  # about the origin
 edge.pose.orientation.w = 1.0
