@@ -45,6 +45,40 @@ TEST(PointVolumes, SumToTheVolumeOfTheHullOfABall) {
   EXPECT_GT(sum, 0.97 * whole);
 }
 
+// Of 4096 points all cells are measured, of 27,000 most.
+TEST(PointVolumes, AroundFewerPointsSumToTheVolumeOfAll) {
+  for (const Index side : {16, 30}) {
+    const Points box = makeBox(side, side, side, 0.1, 0.2);
+    std::vector<Index> owner;
+    for (const Vec3& p : box) owner.push_back((p.x() > 0.45) + 2 * (p.y() > 0.45));
+    const std::vector<double> around = model::measureAround(box, cloud::nearestNeighbors(box, 32), Vec3::Zero(), owner, 5);
+    const double length = 0.1 * (side - 1), low = 0.45, high = length - low, tolerance = side == 16 ? 0.005 : 0.02;
+    EXPECT_NEAR(around[0], low * low * length, tolerance * low * low * length);
+    EXPECT_NEAR(around[1], low * high * length, tolerance * low * high * length);
+    EXPECT_NEAR(around[2], low * high * length, tolerance * low * high * length);
+    EXPECT_NEAR(around[3], high * high * length, tolerance * high * high * length);
+    EXPECT_EQ(around[4], 0.0);
+  }
+}
+
+TEST(PointVolumes, AreFilledToTheDegreeOfTheirNeighbourhood) {
+  Lists neighbors;
+  for (const Index other : {1, 0, 3, 2}) {
+    neighbors.items.push_back(other);
+    neighbors.offsets.push_back(static_cast<Index>(neighbors.items.size()));
+  }
+  std::vector<double> volume{1.0, 3.0, 2.0, 2.0};
+  model::fillCells({2.0, 0.0, 1.0, 3.0}, neighbors, volume);
+  EXPECT_EQ(volume, (std::vector<double>{0.5, 1.5, 2.0, 2.0}));
+  // The second point has no neighbours.
+  neighbors.items = {1};
+  neighbors.offsets = {0, 1, 1};
+  volume = {1.0, 3.0};
+  model::fillCells({1.0, 1.0}, neighbors, volume);
+  EXPECT_DOUBLE_EQ(volume[0], 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(volume[1], 4.0 / 3.0);
+}
+
 TEST(PointVolumes, AreAreasInAPlane) {
   const Points sheet = makeBox(9, 7, 1, 0.1, 0.4);
   const std::vector<double> areas = model::findPointCells(sheet, cloud::nearestNeighbors(sheet, 16), Vec3::UnitZ()).volume;

@@ -48,10 +48,11 @@ struct RestSurface {
   std::shared_ptr<const transfer::SampledPoints> between;  // of a coarser copy: points of the cloud that touch tools
   std::shared_ptr<const LoadPoints> load_points;           // of a coarser copy: those that carry forces with a radius
   transfer::SolidTransfer solid_transfer;                  // in its place, of a solid; empty where every point is simulated
-  Lists solid_neighbors;        // (m) of the simulation points of a solid, over its body, nearest first; else empty
-  std::vector<double> detours;  // of these, weights; empty: all one
-  std::vector<char> pinned;     // (m) by the scene's pins: kInPin or, beside them, kRidesOnPin; else 0
-  std::vector<Index> pin_of;    // (m) the first of the scene's pins that each point lies in, where the cloud is; -1: none
+  Lists solid_neighbors;              // (m) of the simulation points of a solid, over its body, nearest first; else empty
+  std::vector<double> detours;        // of these, weights; empty: all one
+  std::vector<double> point_volumes;  // (m) of these, m^3, or m^2, of the cloud around each; until they are known: empty
+  std::vector<char> pinned;           // (m) by the scene's pins: kInPin or, beside them, kRidesOnPin; else 0
+  std::vector<Index> pin_of;          // (m) the first of the scene's pins that each point lies in, where the cloud is; -1: none
   std::vector<model::ClampEdge> clamp_edges;  // where the pins that clamp end
   std::vector<char> pinned_turns;             // (m) points whose orientation is held too
   std::vector<char> creased;                  // (m) particles that are not smooth; empty for other models

@@ -67,7 +67,8 @@ void putNearFirst(SolidRest& rest) {
 }
 
 SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-                   const MaterialParams& material, const ElasticSolidParams& params, Outline outline) {
+                   const MaterialParams& material, const ElasticSolidParams& params, Outline outline,
+                   const std::vector<double>& around) {
   const bool is_planar = !across.isZero(0.0);
   const Points points = flatten(given, across);
   PointCells cells = findPointCells(points, neighbors, across, outline);
@@ -81,6 +82,7 @@ SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vecto
   rest.fit.m = std::vector<double>();  // strain is measured by the gradients made of it
   putNearFirst(rest);
   rest.volumes = cells.volume;
+  if (!around.empty()) fillCells(around, neighbors, rest.volumes);
   if (is_planar)
     for (double& v : rest.volumes) v *= material.thickness;
   rest.mu = findMu(material);
@@ -94,10 +96,11 @@ SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vecto
 }  // namespace
 
 ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-                           const MaterialParams& material, const ElasticSolidParams& params, Outline outline)
+                           const MaterialParams& material, const ElasticSolidParams& params, Outline outline,
+                           const std::vector<double>& around)
     : law_(params.law == SolidLaw::kLinear ? StressLaw::kLinear : StressLaw::kCorotated),
       is_plate_(!across.isZero(0.0) && params.plane == PlaneKind::kStress),
-      passes_(makeRest(rest, neighbors, detours, across, material, params, outline)) {
+      passes_(makeRest(rest, neighbors, detours, across, material, params, outline, around)) {
   if (params.plasticity.isOn()) plasticity_.emplace(passes_.rest, params.plasticity);
   for (double volume : passes_.rest.volumes) masses_.push_back(material.density * volume);
   const char full = isPlanar() ? 2 : 3;

@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 64;   // points a task: a millisecond or so
+constexpr Index kMostMeasured = 20000;               // cells of a cloud: a third of a second
+constexpr double kWhole = 4294967296.0;              // 2^32
+constexpr std::uint32_t kGoldenRatio = 2654435769u;  // of 2^32: multiples of it, modulo that, are spread evenly
+constexpr Index kBlock = 64;                         // points a task: a millisecond or so
 constexpr Index kClosest = 3;  // neighbours whose distances give the spacing: a corner of a lattice has as many
 // Of the farthest neighbour's distance: facets of the hull nearer to its middle belong to a flat set, and gaps wider than its
 // inverse are the outside of one.
@@ -28,11 +33,14 @@ class Cutter {
   Cutter(const Points& points, const Lists& neighbors, const Vec3& across)
       : points_(points), neighbors_(neighbors), across_(across), is_planar_(!across.isZero(0.0)) {}
 
-  /// Moves on to point i.
-  void moveTo(Index i);
-  /// Cuts its cell among its neighbours, within the hull of all of them. Returns the distance of the cell's corners before the
-  /// hull cut it, at most that of the neighbours.
+  /// Moves on to point i. False if it has too few neighbours for a cell.
+  bool moveTo(Index i);
+  /// Cuts its cell among its neighbours. Returns the distance of the cell's corners, at most that of the neighbours.
   double cut();
+  /// Cuts the cell by the hull of all neighbours.
+  void cutOutside();
+  /// Whether the cell, whose corners lie so far away (m) and which no hull has cut, ends at neighbours all around.
+  bool isInner(double farthest) const { return farthest < kEmptySphere * (is_planar_ ? std::sqrt(volume_) : std::cbrt(volume_)); }
   /// Whether it lies at a gap: some place is nearest to it, among its neighbours, and yet farther than `empty`, m.
   bool findGaps(double empty);
   /// Removes the part of the cell in the gaps found, and between them and the body. False if it is negligible.
@@ -63,8 +71,9 @@ class Cutter {
   std::vector<char> is_gap_;  // of its corners
 };
 
-void Cutter::moveTo(Index i) {
+bool Cutter::moveTo(Index i) {
   const Index count = neighbors_.count(i);
+  if (count < (is_planar_ ? 2 : 3)) return false;
   beside_.clear();
   reach_ = 0.0;
   for (const Index* j = neighbors_.begin(i); j != neighbors_.end(i); ++j) {
@@ -82,9 +91,19 @@ void Cutter::moveTo(Index i) {
     }
     reach_ *= 2.0;
   }
+  return true;
 }
 
 double Cutter::cut() {
+  cell_.reset(reach_);
+  for (const Vec3& p : beside_) cell_.cut(p, 0.5 * p.squaredNorm(), kBetween);
+  double farthest = 0.0;
+  for (const Vec3& corner : cell_.corners()) farthest = std::max(farthest, flatten(corner).norm());
+  measure(cell_.volume(), Vec3::Zero());
+  return farthest;
+}
+
+void Cutter::cutOutside() {
   const Points& around = is_planar_ ? around_ : beside_;
 
   // The hull's facets are the corners of its dual about a point inside, { y : (p - middle) . y <= 1 for all p }.
@@ -94,13 +113,8 @@ double Cutter::cut() {
   hull_.cut(-middle, 1.0);
   for (const Vec3& p : around) hull_.cut(p - middle, 1.0);
 
-  cell_.reset(reach_);
-  for (const Vec3& p : beside_) cell_.cut(p, 0.5 * p.squaredNorm(), kBetween);
-  double farthest = 0.0;
-  for (const Vec3& corner : cell_.corners()) farthest = std::max(farthest, flatten(corner).norm());
   for (const Vec3& facet : hull_.corners()) cell_.cut(facet, 1.0 + facet.dot(middle), kOutside);
   measure(cell_.volume(), cell_.area(kOutside));
-  return farthest;
 }
 
 // Corners of the cell that no hull has cut are the centres of empty spheres through the point and its neighbours. With these
@@ -149,6 +163,42 @@ double meanOver(const std::vector<double>& values, const Lists& neighbors, Index
   return sum / (1 + neighbors.count(i));
 }
 
+// cuts_all: cells that end at neighbours all around are cut by the hull of their neighbours, too.
+PointCells findCells(const Points& points, const Lists& neighbors, const Vec3& across, Outline outline, bool cuts_all) {
+  const bool is_planar = !across.isZero(0.0);
+  const Index n = neighbors.size();
+  PointCells cells{std::vector<double>(points.size(), 0.0), Points(points.size(), Vec3::Zero())};
+  std::vector<double> farthest(n, 0.0);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Cutter cutter(points, neighbors, across);
+    for (Index i = begin; i < end; ++i) {
+      if (!cutter.moveTo(i)) continue;
+      farthest[i] = cutter.cut();
+      if (cuts_all || !cutter.isInner(farthest[i])) cutter.cutOutside();
+      cells.volume[i] = cutter.volume();
+      cells.outside[i] = cutter.outside();
+    }
+  });
+
+  if (outline == Outline::kRough) return cells;
+  // For points on the boundary: removes gaps.
+  const std::vector<double> spacing = findPointSpacing(points, neighbors, cells.volume, is_planar);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Cutter cutter(points, neighbors, across);
+    for (Index i = begin; i < end; ++i) {
+      if (!(farthest[i] > kEmptySphere * spacing[i])) continue;
+      cutter.moveTo(i);
+      if (!cutter.findGaps(kEmptySphere * spacing[i])) continue;
+      cutter.cut();
+      cutter.cutOutside();
+      if (!cutter.cutGaps()) continue;
+      cells.volume[i] = cutter.volume();
+      cells.outside[i] = cutter.outside();
+    }
+  });
+  return cells;
+}
+
 }  // namespace
 
 std::vector<double> findPointSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume,
@@ -166,38 +216,52 @@ std::vector<double> findPointSpacing(const Points& points, const Lists& neighbor
   return spacing;
 }
 
-PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across, Outline outline) {
-  const bool is_planar = !across.isZero(0.0);
+std::vector<double> measureAround(const Points& points, const Lists& neighbors, const Vec3& across,
+                                  const std::vector<Index>& owner, Index m) {
   const Index n = neighbors.size();
-  PointCells cells{std::vector<double>(points.size(), 0.0), Points(points.size(), Vec3::Zero())};
-  std::vector<double> farthest(n, 0.0);
-  parallelFor(n, kBlock, [&](Index begin, Index end) {
+  std::vector<double> sum(m, 0.0);
+  if (n <= kMostMeasured) {
+    const std::vector<double> volume = findCells(points, neighbors, across, Outline::kSurface, false).volume;
+    for (Index i = 0; i < n; ++i) sum[owner[i]] += volume[i];
+    return sum;
+  }
+  std::vector<Index> measured;
+  for (Index i = 0; i < n; ++i)
+    if (static_cast<std::uint32_t>(i) * kGoldenRatio < kWhole * kMostMeasured / n) measured.push_back(i);
+  std::vector<double> volume(measured.size(), 0.0);
+  parallelFor(static_cast<Index>(measured.size()), kBlock, [&](Index begin, Index end) {
     Cutter cutter(points, neighbors, across);
-    for (Index i = begin; i < end; ++i) {
-      if (neighbors.count(i) < (is_planar ? 2 : 3)) continue;
-      cutter.moveTo(i);
-      farthest[i] = cutter.cut();
-      cells.volume[i] = cutter.volume();
-      cells.outside[i] = cutter.outside();
+    for (Index k = begin; k < end; ++k) {
+      if (!cutter.moveTo(measured[k])) continue;
+      if (!cutter.isInner(cutter.cut())) cutter.cutOutside();
+      volume[k] = cutter.volume();
     }
   });
+  // Of an owner without a measured point: the mean of all.
+  const double mean = std::accumulate(volume.begin(), volume.end(), 0.0) / static_cast<double>(volume.size());
+  std::vector<Index> count(m, 0), of_all(m, 0);
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    sum[owner[measured[k]]] += volume[k];
+    ++count[owner[measured[k]]];
+  }
+  for (const Index o : owner) ++of_all[o];
+  for (Index o = 0; o < m; ++o) sum[o] = of_all[o] * (count[o] > 0 ? sum[o] / count[o] : mean);
+  return sum;
+}
 
-  if (outline == Outline::kRough) return cells;
-  // For points on the boundary: removes gaps.
-  const std::vector<double> spacing = findPointSpacing(points, neighbors, cells.volume, is_planar);
-  parallelFor(n, kBlock, [&](Index begin, Index end) {
-    Cutter cutter(points, neighbors, across);
-    for (Index i = begin; i < end; ++i) {
-      if (!(farthest[i] > kEmptySphere * spacing[i])) continue;
-      cutter.moveTo(i);
-      if (!cutter.findGaps(kEmptySphere * spacing[i])) continue;
-      cutter.cut();
-      if (!cutter.cutGaps()) continue;
-      cells.volume[i] = cutter.volume();
-      cells.outside[i] = cutter.outside();
-    }
-  });
-  return cells;
+void fillCells(const std::vector<double>& around, const Lists& neighbors, std::vector<double>& volume) {
+  const std::vector<double> cells = volume;
+  double sum = 0.0;
+  for (Index i = 0; i < neighbors.size(); ++i) {
+    volume[i] *= meanOver(around, neighbors, i) / meanOver(cells, neighbors, i);
+    sum += volume[i];
+  }
+  const double scale = std::accumulate(around.begin(), around.end(), 0.0) / sum;
+  for (double& v : volume) v *= scale;
+}
+
+PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across, Outline outline) {
+  return findCells(points, neighbors, across, outline, true);
 }
 
 }  // namespace deformable_surface::model

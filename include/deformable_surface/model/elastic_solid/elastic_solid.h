@@ -27,9 +27,11 @@ class ElasticSolid : public DeformableModel,
                      public Stresses {
  public:
   /// rest: (n x 3) m; neighbors: lists of about thirty (planar: sixteen), nearest first; detours: weight of each listed pair, or
-  /// empty. across: unit normal of the plane that the points lie in, or zero for a body in space.
+  /// empty. across: unit normal of the plane that the points lie in, or zero for a body in space. around: (n) m^3, or
+  /// m^2, around each point of a finer cloud that has been thinned out: cells are filled to that degree; empty: wholly.
   ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-               const MaterialParams& material, const ElasticSolidParams& params, Outline outline = Outline::kSurface);
+               const MaterialParams& material, const ElasticSolidParams& params, Outline outline = Outline::kSurface,
+               const std::vector<double>& around = {});
 
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<ElasticSolid>(*this); }
   const std::vector<double>& masses() const override { return masses_; }

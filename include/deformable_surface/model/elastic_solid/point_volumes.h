@@ -26,6 +26,16 @@ enum class Outline { kSurface, kRough };
 /// normal of the plane of a planar body, or zero. Parallel; O(n k^2).
 PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across, Outline outline = Outline::kSurface);
 
+/// (m) m^3, or m^2: volume of the points (n x 3) nearest to each of m others. owner (n): that one. Of clouds above 20,000
+/// points some 20,000 cells are measured, and gaps between their neighbours are not cut off.
+std::vector<double> measureAround(const Points& points, const Lists& neighbors, const Vec3& across,
+                                  const std::vector<Index>& owner, Index m);
+
+/// Multiplies the volume of each point (n), which has its whole cell, by the share that is material: of the volume around
+/// each point, on average over its neighbours, and all alike so that the sum is that of the volumes around them. Cells reach
+/// across the walls of a body whose points are too few for them.
+void fillCells(const std::vector<double>& around, const Lists& neighbors, std::vector<double>& volume);
+
 /// Of the spacing: no place in a body is farther from all of its points. With jitter of four tenths some are 1.27 away in a
 /// plane.
 constexpr double kEmptySphere = 1.4;

@@ -118,7 +118,8 @@ void buildFilledSolid(const SceneParams& params, RestSurface& s) {
     throw InputError("elastic_solid.fill: found a surface that does not close, or normals that do not agree: at " +
                      formatShort(100.0 * interior.doubtful) +
                      " per cent of the places within it the winding number is neither 0 nor 1; "
-                     "accepted: a closed surface with all normals on one side of it, or without normals");
+                     "accepted: a closed surface with all normals on one side of it, or without normals: these are then "
+                     "estimated, and can be wrong where parts are near each other");
   if (interior.points.empty())
     throw InputError("elastic_solid.fill: found no place inside the surface at a spacing of " + formatShort(spacing) +
                      " m; accepted: a closed surface with more points than its thickness asks for");

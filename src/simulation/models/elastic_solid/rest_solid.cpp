@@ -129,6 +129,12 @@ Lists findFollowed(const SceneParams& params, const cloud::GeodesicCells& cells,
   return followed;
 }
 
+std::vector<Index> findFirst(const Lists& lists) {
+  std::vector<Index> first;
+  for (Index i = 0; i < lists.size(); ++i) first.push_back(*lists.begin(i));
+  return first;
+}
+
 // In space there are more directions than in a plane.
 Index countNeighbors(const SceneParams& params, const Vec3& across) {
   return across.isZero(0.0) ? 2 * params.neighbors.k : params.neighbors.k;
@@ -153,14 +159,17 @@ namespace {
 // Model, pins and notes on the simulation points.
 void finishSolid(const SceneParams& params, model::Outline outline, RestSurface& s) {
   auto solid = std::make_unique<model::ElasticSolid>(s.points, s.solid_neighbors, s.detours, s.across, params.material,
-                                                     params.elastic_solid, outline);
+                                                     params.elastic_solid, outline, s.point_volumes);
   if (solid->numDeficient() > 0)
     s.notes.push_back(
         count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
-  const double volume = std::accumulate(solid->volumes().begin(), solid->volumes().end(), 0.0);
+  s.point_volumes = solid->volumes();
+  const double volume = std::accumulate(s.point_volumes.begin(), s.point_volumes.end(), 0.0);
   s.model = std::move(solid);
   applyPins(params, s);
   const bool is_planar = !s.across.isZero(0.0);
+  if (is_planar)
+    for (double& v : s.point_volumes) v /= params.material.thickness;
   if (is_planar) noteGravityAcross(params, s.across, s);
   const Index m = static_cast<Index>(s.points.size());
   // The area of a surface with as many points at that spacing: lengths are measured relative to it.
@@ -196,13 +205,14 @@ void prepareBody(const SceneParams& params, RestSurface& s) {
   cloud::GeodesicCells cells;
   if (!is_euclidean) cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, s.dense_index, k);
   s.solid_neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
-  if (m < n)
-    s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points,
-                                               findFollowed(params, cells, s.dense.positions, s.points));
+  if (m == n) return;
+  const Lists followed = findFollowed(params, cells, s.dense.positions, s.points);
+  s.point_volumes = model::measureAround(s.dense.positions, s.dense_neighbors, s.across, findFirst(followed), m);
+  s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points, followed);
 }
 
-// Uses the farthest of the simulation points; its dense_index and solid_transfer refer to these. Masses are those of the hull of
-// so few points. InputError if these span no body.
+// Uses the farthest of the simulation points; its dense_index and solid_transfer refer to these. InputError if these span no
+// body.
 RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, Index target) {
   RestSurface s;
   s.dense_index =
@@ -216,8 +226,12 @@ RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, 
   if (!params.neighbors.areEuclidean()) cells = cloud::findGeodesicCells(of.points, of.solid_neighbors, s.dense_index, k);
   s.solid_neighbors = params.neighbors.areEuclidean() ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
   s.across = of.across;
+  const Lists followed = findFollowed(params, cells, of.points, s.points);
+  const std::vector<Index> owner = findFirst(followed);
+  s.point_volumes.assign(s.points.size(), 0.0);
+  for (std::size_t i = 0; i < owner.size(); ++i) s.point_volumes[owner[i]] += of.point_volumes[i];
   finishSolid(params, model::Outline::kRough, s);
-  s.solid_transfer = transfer::SolidTransfer(of.points, of.normals, s.points, findFollowed(params, cells, of.points, s.points));
+  s.solid_transfer = transfer::SolidTransfer(of.points, of.normals, s.points, followed);
   return s;
 }
 
