@@ -102,24 +102,25 @@ void GrowService::grow(const Request& request, Response& response) {
   std::unique_ptr<simulation::Simulation> copy;
   model::GrowthParams growth;
   int num_threads = 0;
+  Hold::Id hold{};
   perform([&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     stepper_.requireFree();
     growth = readGrowth(request, stepper_.simulation()->params().oriented_particles.growth);
     num_threads = static_cast<int>(stepper_.params().threads);
     copy = std::make_unique<simulation::Simulation>(stepper_.simulation()->fork());
-    stepper_.hold();
+    hold = stepper_.hold();
   });
   try {
     const InterruptScope scope(*inbox_.closing());
     setNumThreads(num_threads);
     response.message = copy->growSurface(growth);
   } catch (...) {
-    performInTheEnd([&] { stepper_.letGo(); });
+    performInTheEnd([&] { stepper_.letGo(hold); });
     throw;
   }
   performInTheEnd([&] {
-    stepper_.replaceHeld(std::move(copy));
+    stepper_.replaceHeld(hold, std::move(copy));
     response.particles = static_cast<std::uint32_t>(stepper_.simulation()->state().size());
   });
   stepper_.waitForResult();

@@ -76,7 +76,7 @@ bool Stepper::turn(Inbox::SteadyTime until) {
 Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
   const auto now = steady_clock::now();
   if (!clouds_.isEmpty() || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
-  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return until;
+  if (!simulation_ || isPaused() || hold_.isActive() || !is_gravity_known_) return until;
   if (isLockstep()) {
     if (!isDue()) return until;  // a command wakes the inbox
     return missing_since_ ? std::min<Inbox::SteadyTime>(until, now + kPollPeriod) : Inbox::SteadyTime(now);
@@ -113,7 +113,7 @@ std::string Stepper::obstacle() {
 }
 
 bool Stepper::isDue() const {
-  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return false;
+  if (!simulation_ || isPaused() || hold_.isActive() || !is_gravity_known_) return false;
   if (isLockstep()) return hasAllCommands();
   return now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
 }
@@ -159,17 +159,13 @@ void Stepper::reset() {
   if (now_ != 0) resumeAt(now_, 0);
 }
 
-void Stepper::hold() { is_held_ = is_held_valid_ = true; }
-
-void Stepper::letGo() {
-  if (!is_held_) return;
-  is_held_ = false;
-  if (simulation_) skipTo(now_, simulation_->stepCount());
+void Stepper::letGo(Hold::Id id) {
+  if (hold_.end(id)) skipTo(now_, simulation_->stepCount());
 }
 
-void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
-  letGo();
-  if (!is_held_valid_) throw InputError("the surface was reset, restored or replaced meanwhile; nothing was changed");
+void Stepper::replaceHeld(Hold::Id id, std::unique_ptr<simulation::Simulation> simulation) {
+  if (!hold_.end(id)) throw InputError("the surface was reset, restored or replaced meanwhile; nothing was changed");
+  skipTo(now_, simulation_->stepCount());
   simulation_ = std::move(simulation);
   simulation_->setInterrupt(inbox_.endingStep());
   is_as_built_ = false;
@@ -177,7 +173,7 @@ void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
 }
 
 void Stepper::requireFree() const {
-  if (is_held_) throw InputError("a surface is being grown (~grow_surface); accepted: once that is done");
+  if (hold_.isActive()) throw InputError("a surface is being grown (~grow_surface); accepted: once that is done");
 }
 
 void Stepper::keepSnapshot(const std::string& name) {
@@ -186,7 +182,7 @@ void Stepper::keepSnapshot(const std::string& name) {
 
 void Stepper::restoreSnapshot(const std::string& name) {
   const SnapshotShelf::Entry& entry = snapshots_.find(name);
-  is_held_ = is_held_valid_ = false;
+  hold_.cancel();
   tracking_.forgetLast();
   simulation_->restore(entry.snapshot);
   commands_.restore(entry.commands);

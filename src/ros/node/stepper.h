@@ -4,6 +4,7 @@
 
 #include "cloud_worker.h"
 #include "frame_thread.h"
+#include "hold.h"
 #include "inbox.h"
 #include "pending_choice.h"
 #include "pending_commands.h"
@@ -97,10 +98,11 @@ class Stepper {
   /// The stamps of a rollout that begins now with this step.
   StepSchedule scheduleFrom(std::uint64_t step) const;
   /// Takes no step until letGo() or replaceHeld(): a copy of the surface is being worked on and will replace it.
-  void hold();
-  void letGo();
-  /// Throws InputError if a reset, a snapshot or a cloud has changed the surface since hold().
-  void replaceHeld(std::unique_ptr<simulation::Simulation> simulation);
+  Hold::Id hold() { return hold_.begin(); }
+  /// Does nothing if that hold has ended.
+  void letGo(Hold::Id id);
+  /// Throws InputError, and changes nothing, if a reset, a snapshot or a cloud has ended that hold.
+  void replaceHeld(Hold::Id id, std::unique_ptr<simulation::Simulation> simulation);
   /// Throws InputError while it is held; for calls that would change it.
   void requireFree() const;
   /// The reason why no step can be taken now; empty if there is none.
@@ -220,7 +222,7 @@ class Stepper {
   bool is_paused_ = false;                          // asked for
   bool was_paused_ = false;                         // at some time since the surface was at rest
   bool is_failed_ = false, is_gravity_known_ = false;
-  bool is_held_ = false, is_held_valid_ = false;
+  Hold hold_;
   simulation::TrackingWatch tracking_;            // since the surface was at rest
   bool is_as_built_ = false;                      // only its cloud and params_ have shaped the surface
   double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time: the commands of the last step, all of it

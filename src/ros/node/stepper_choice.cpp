@@ -19,7 +19,7 @@ std::string sayNext(bool has_snapshots, bool has_other_values) {
 // The trials are of the surface from rest, without commands. One that had none, and was not paused (as for ~step), begins anew
 // at once: nothing of the user's is lost.
 void Stepper::handleChoice() {
-  if (!choosing_ || !choosing_->isMade() || is_held_) return;
+  if (!choosing_ || !choosing_->isMade() || hold_.isActive()) return;
   chosen_ = choosing_->take();
   choosing_.reset();
   if (!chosen_->problem.empty()) {

@@ -56,7 +56,7 @@ void Stepper::restart(std::int64_t now) {
 
 // The surface is at rest, and everything before is forgotten; time 0 is at zero of the clock.
 void Stepper::beginAnew(std::int64_t zero) {
-  is_held_ = is_held_valid_ = false;
+  hold_.cancel();
   is_failed_ = is_frame_due_ = is_gravity_known_ = false;
   was_paused_ = is_paused_;
   last_frame_ = 0;
@@ -67,7 +67,7 @@ void Stepper::beginAnew(std::int64_t zero) {
 }
 
 void Stepper::letGoOfLag(double call_seconds) {
-  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_ || is_clock_simulated_ || isLockstep()) return;
+  if (!simulation_ || isPaused() || hold_.isActive() || !is_gravity_known_ || is_clock_simulated_ || isLockstep()) return;
   const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
   if (!(lag > kMaxLag)) return;
   schedule_.skip(lag);

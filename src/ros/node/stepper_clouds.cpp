@@ -133,7 +133,7 @@ void Stepper::reportBuilding() {
 
 // A cloud shows the surface at its stamp, and is tracked from there on.
 void Stepper::observeReady() {
-  if (is_held_) return;
+  if (hold_.isActive()) return;
   const std::uint64_t step = simulation_->stepCount();
   const auto isDue = [&](const ReadyCloud& ready) { return isPaused() || ready.stamp <= schedule_.begin(step); };
   const auto newest = std::find_if(ready_.rbegin(), ready_.rend(), isDue);

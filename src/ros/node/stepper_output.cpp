@@ -17,7 +17,7 @@ std::int64_t Stepper::outputStamp() const {
   if (params_.output.stamp == simulation::OutputStamp::kSimulation) return schedule_.stamp(step);
   const std::int64_t begin = schedule_.begin(step);
   if (isLockstep()) return begin;
-  const bool waits = isPaused() || is_held_ || !is_gravity_known_ || begin > now_;
+  const bool waits = isPaused() || hold_.isActive() || !is_gravity_known_ || begin > now_;
   const bool is_let_go = !is_clock_simulated_ && now_ - begin > kMaxLag;
   return now_ != 0 && (waits || is_let_go) ? now_ : begin;
 }
@@ -110,7 +110,7 @@ StepperStatus Stepper::status() const {
   }
   if (is_failed_) {
     status.state = "stopped by a failed step";
-  } else if (is_held_) {
+  } else if (hold_.isActive()) {
     status.state = "growing a surface";
   } else if (is_paused_) {
     status.state = "paused";
