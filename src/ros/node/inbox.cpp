@@ -12,8 +12,6 @@ namespace {
 constexpr std::size_t kMaxCommands = 4096;
 // Each waiting call holds a thread of its caller; more than this is a flood.
 constexpr std::size_t kMaxJobs = 16;
-// Longer than building the largest usual surface takes. After that the caller is asked to try again.
-constexpr std::chrono::seconds kPatience(30);
 
 }  // namespace
 
@@ -94,6 +92,7 @@ void Inbox::wake() {
   came_.notify_one();
 }
 
+// Between steps only: a step that has begun to end must end.
 void Inbox::updateEndsStep() {
   ends_step_ = closed_ || std::any_of(jobs_.begin(), jobs_.end(), [](const Job* job) { return job->ends_step; });
 }
@@ -104,11 +103,10 @@ std::string Inbox::perform(const std::function<void()>& work, bool ends_step) {
   if (jobs_.size() >= kMaxJobs) return "busy: too many calls wait already";
   Job job{&work, ends_step};
   jobs_.push_back(&job);
-  updateEndsStep();
+  if (ends_step) ends_step_ = true;
   came_.notify_one();
-  answered_.wait_for(lock, kPatience, [&] { return job.state != Job::State::kWaiting; });
+  answered_.wait_for(lock, patience_, [&] { return job.state != Job::State::kWaiting; });
   if (job.state == Job::State::kWaiting) {
-    // Whether a step must end changes between steps only: a step that has begun to end must end.
     jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
     return "busy: the simulation did not get to it in time; try again";
   }

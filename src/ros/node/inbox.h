@@ -63,7 +63,12 @@ class Inbox {
     ClockChange clock;
   };
 
-  Inbox(bool use_simulated_clock, const tf2::BufferCore& transforms) : clock_(use_simulated_clock), transforms_(transforms) {}
+  /// Longer than building the largest usual surface takes. After that the caller is asked to try again.
+  static constexpr std::chrono::seconds kPatience{30};
+
+  /// patience: how long perform() waits for its work to begin.
+  Inbox(bool use_simulated_clock, const tf2::BufferCore& transforms, std::chrono::milliseconds patience = kPatience)
+      : clock_(use_simulated_clock), transforms_(transforms), patience_(patience) {}
 
   // For callbacks. Only perform() waits.
   /// Replaces a cloud that was not fetched yet. arrival: as in IncomingCloud.
@@ -107,7 +112,6 @@ class Inbox {
  private:
   void putCommand(Command command);
   // With the mutex held:
-  /// To be called after a change of what it depends on.
   void updateEndsStep();
   /// Reads the computer's clock; /clock has been observed already.
   std::int64_t readClock();
@@ -117,6 +121,7 @@ class Inbox {
   std::condition_variable came_, answered_;
   ClockWatch clock_;
   const tf2::BufferCore& transforms_;
+  const std::chrono::milliseconds patience_;
   std::string surface_frame_;
   std::optional<IncomingCloud> cloud_;
   std::deque<Command> commands_;
