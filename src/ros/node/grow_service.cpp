@@ -69,25 +69,11 @@ ros::ServiceServer GrowService::advertise(ros::NodeHandle& node, const std::stri
   return node.advertiseService<Request, Response>(name, boost::function<bool(Request&, Response&)>(answer));
 }
 
-// Work of the simulation thread may throw, too.
-void GrowService::perform(const std::function<void()>& work) {
-  std::exception_ptr problem;
-  const std::string unheard = inbox_.perform([&] {
-    try {
-      work();
-    } catch (...) {
-      problem = std::current_exception();
-    }
-  });
-  if (!unheard.empty()) throw InputError(unheard);
-  if (problem) std::rethrow_exception(problem);
-}
-
 void GrowService::performInTheEnd(const std::function<void()>& work) {
   bool is_done = false;
   while (!is_done && !inbox_.isClosed()) {
     try {
-      perform([&] {
+      inbox_.perform([&] {
         is_done = true;
         work();
       });
@@ -103,7 +89,7 @@ void GrowService::grow(const Request& request, Response& response) {
   model::GrowthParams growth;
   int num_threads = 0;
   Hold::Id hold{};
-  perform([&] {
+  inbox_.perform([&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     stepper_.requireFree();
     growth = readGrowth(request, stepper_.simulation()->params().oriented_particles.growth);

@@ -33,7 +33,6 @@ class GrowService {
   /// Throws.
   template <class Request, class Response>
   void grow(const Request& request, Response& response);
-  void perform(const std::function<void()>& work);
   /// Performs the work however busy the simulation is: the surface is held until it is done.
   void performInTheEnd(const std::function<void()>& work);
 

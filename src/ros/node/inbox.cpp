@@ -1,5 +1,7 @@
 #include "inbox.h"
 
+#include "deformable_surface/base/error.h"
+
 #include <ros/time.h>
 
 #include <algorithm>
@@ -12,6 +14,7 @@ namespace {
 constexpr std::size_t kMaxCommands = 4096;
 // Each waiting call holds a thread of its caller; more than this is a flood.
 constexpr std::size_t kMaxJobs = 16;
+constexpr char kShuttingDown[] = "the node is shutting down";
 
 }  // namespace
 
@@ -97,10 +100,10 @@ void Inbox::updateEndsStep() {
   ends_step_ = closed_ || std::any_of(jobs_.begin(), jobs_.end(), [](const Job* job) { return job->ends_step; });
 }
 
-std::string Inbox::perform(const std::function<void()>& work, bool ends_step) {
+void Inbox::perform(const std::function<void()>& work, bool ends_step) {
   std::unique_lock<std::mutex> lock(mutex_);
-  if (closed_) return "the node is shutting down";
-  if (jobs_.size() >= kMaxJobs) return "busy: too many calls wait already";
+  if (closed_) throw InputError(kShuttingDown);
+  if (jobs_.size() >= kMaxJobs) throw InputError("busy: too many calls wait already");
   Job job{&work, ends_step};
   jobs_.push_back(&job);
   if (ends_step) ends_step_ = true;
@@ -108,11 +111,12 @@ std::string Inbox::perform(const std::function<void()>& work, bool ends_step) {
   answered_.wait_for(lock, patience_, [&] { return job.state != Job::State::kWaiting; });
   if (job.state == Job::State::kWaiting) {
     jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
-    return "busy: the simulation did not get to it in time; try again";
+    throw InputError("busy: the simulation did not get to it in time; try again");
   }
   // Running work uses its caller's data, so that the caller must wait; the work checks isClosed() itself.
   answered_.wait(lock, [&] { return job.state != Job::State::kRunning; });
-  return job.state == Job::State::kDone ? "" : "the node is shutting down";
+  if (job.state == Job::State::kRefused) throw InputError(kShuttingDown);
+  if (job.problem) std::rethrow_exception(job.problem);
 }
 
 void Inbox::setSurfaceFrame(const std::string& frame) {
@@ -129,7 +133,11 @@ void Inbox::doJobs() {
     updateEndsStep();
     job.state = Job::State::kRunning;
     lock.unlock();
-    (*job.work)();
+    try {
+      (*job.work)();
+    } catch (...) {
+      job.problem = std::current_exception();
+    }
     lock.lock();
     job.state = Job::State::kDone;
     answered_.notify_all();

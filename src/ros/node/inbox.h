@@ -15,6 +15,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -52,6 +53,7 @@ class Inbox {
     const std::function<void()>* work;
     bool ends_step;
     State state = State::kWaiting;
+    std::exception_ptr problem{};  // thrown by the work
   };
 
   struct Content {
@@ -87,9 +89,9 @@ class Inbox {
   void wantFrame();
   /// Wakes the simulation thread, for the diagnostics.
   void wake();
-  /// Lets the simulation thread do the work, and waits for it. Returns an empty text, or why it was not done. ends_step: a
-  /// running step is void and is ended.
-  std::string perform(const std::function<void()>& work, bool ends_step = false);
+  /// Lets the simulation thread do the work, and waits for it. Throws what the work throws, and InputError if it was not done.
+  /// ends_step: a running step is void and is ended.
+  void perform(const std::function<void()>& work, bool ends_step = false);
   /// Ends the simulation thread; waiting calls are refused.
   void close();
 

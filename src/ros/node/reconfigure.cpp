@@ -223,7 +223,7 @@ void Reconfigure::store() {
 
 bool Reconfigure::set(const Config& wanted, Config& now) {
   std::string problem;
-  const std::string unheard = inbox_.perform([&] {
+  const auto work = [&] {
     try {
       stepper_.setParams(readRunTimeParams(wanted, stepper_.params()));
     } catch (const std::exception& error) {
@@ -232,8 +232,12 @@ bool Reconfigure::set(const Config& wanted, Config& now) {
     now = printRunTimeParams(stepper_.params());
     // Even without a change: clients show what they asked for until they get an answer.
     publish();
-  });
-  if (!unheard.empty()) return false;
+  };
+  try {
+    inbox_.perform(work);
+  } catch (const std::exception&) {
+    return false;
+  }
   if (!problem.empty()) {
     warnings_.report(Warning::kCommandRefused, "parameters refused, the previous values stay: " + problem);
     return true;

@@ -1,5 +1,6 @@
 #include "rollouts.h"
 
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/value.h"
 
@@ -69,42 +70,32 @@ Rollouts::~Rollouts() {
   server_.reset();
 }
 
+void Rollouts::requireRoom() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (waiting_.size() >= kMaxWaiting)
+    throw InputError("busy: " + std::to_string(kMaxWaiting) + " rollouts wait already; accepted: no more at a time");
+}
+
 // The copy is made here, of the surface when the goal comes, however long the goal waits then.
 void Rollouts::accept(Server::GoalHandle goal) {
   auto job = std::make_shared<Job>();
   CloudId cloud;
-  std::string problem;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (waiting_.size() >= kMaxWaiting)
-      problem = "busy: " + std::to_string(kMaxWaiting) + " rollouts wait already; accepted: no more at a time";
-  }
   const auto make_copy = [&] {
-    try {
-      const std::string obstacle = stepper_.obstacle();
-      if (!obstacle.empty()) throw InputError(obstacle);
-      job->copy = std::make_unique<simulation::Simulation>(stepper_.simulation()->fork());
-      if (!goal.getGoal()->snapshot.empty()) job->copy->restore(stepper_.snapshots().find(goal.getGoal()->snapshot).snapshot);
-      job->frame = stepper_.frame();
-      cloud = stepper_.cloud();
-      job->schedule.emplace(stepper_.scheduleFrom(job->copy->stepCount()));
-    } catch (const std::exception& error) {
-      problem = toOneLine(error.what());
-    }
+    const std::string obstacle = stepper_.obstacle();
+    if (!obstacle.empty()) throw InputError(obstacle);
+    job->copy = std::make_unique<simulation::Simulation>(stepper_.simulation()->fork());
+    if (!goal.getGoal()->snapshot.empty()) job->copy->restore(stepper_.snapshots().find(goal.getGoal()->snapshot).snapshot);
+    job->frame = stepper_.frame();
+    cloud = stepper_.cloud();
+    job->schedule.emplace(stepper_.scheduleFrom(job->copy->stepCount()));
   };
-  if (problem.empty()) {
-    const std::string unheard = inbox_.perform(make_copy);
-    if (!unheard.empty()) problem = unheard;
-  }
-  if (problem.empty()) {
-    try {
-      job->plan = prepareRollout(*goal.getGoal(), job->frame, transforms_, *job->copy);
-      job->plan.cloud = cloud;
-    } catch (const std::exception& error) {
-      problem = toOneLine(error.what());
-    }
-  }
-  if (!problem.empty()) {
+  try {
+    requireRoom();
+    inbox_.perform(make_copy);
+    job->plan = prepareRollout(*goal.getGoal(), job->frame, transforms_, *job->copy);
+    job->plan.cloud = cloud;
+  } catch (const std::exception& error) {
+    const std::string problem = toOneLine(error.what());
     warnings_.report(Warning::kCallRefused, "rollout refused: " + problem);
     return goal.setRejected(makeRefusal(problem), problem);
   }

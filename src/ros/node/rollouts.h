@@ -48,6 +48,8 @@ class Rollouts {
   };
 
   void start(const ros::NodeHandle& node);
+  /// Throws InputError if too many wait already.
+  void requireRoom();
   void accept(Server::GoalHandle goal);
   void cancel(const Server::GoalHandle& goal);
   void work();

@@ -164,21 +164,14 @@ std::vector<std::string> Services::names() const {
 
 template <class Response, class Work>
 bool Services::perform(Response& response, const Work& work, bool ends_step) {
-  const auto answer = [&] {
-    try {
-      response.message = work();
-      response.success = true;
-    } catch (const std::exception& error) {
-      response.success = false;
-      response.message = toOneLine(error.what());
-    }
-  };
-  const std::string problem = inbox_.perform(answer, ends_step);
-  stepper_.waitForResult();
-  if (!problem.empty()) {
+  try {
+    inbox_.perform([&] { response.message = work(); }, ends_step);
+    response.success = true;
+  } catch (const std::exception& error) {
     response.success = false;
-    response.message = problem;
+    response.message = toOneLine(error.what());
   }
+  stepper_.waitForResult();
   if (!response.success) warnings_.report(Warning::kCallRefused, "call refused: " + std::string(response.message));
   return true;
 }
