@@ -8,14 +8,19 @@
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/io/scene_old_names.h"
 
+#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <limits>
 #include <memory>
+#include <thread>
 #include <utility>
 
 namespace deformable_surface::node {
 namespace {
+
+// Between two tries where too many calls wait already.
+constexpr std::chrono::milliseconds kBusyPause(10);
 
 // Values of zero keep the defaults.
 template <class Request>
@@ -79,6 +84,7 @@ void GrowService::performInTheEnd(const std::function<void()>& work) {
       });
     } catch (const InputError&) {
       if (is_done) throw;
+      std::this_thread::sleep_for(kBusyPause);
     }
   }
 }
