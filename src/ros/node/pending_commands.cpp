@@ -148,16 +148,23 @@ void PendingCommands::clear() {
 }
 
 void PendingCommands::apply(std::int64_t begin, std::int64_t end, simulation::Simulation& simulation, const std::string& frame) {
+  // Each is taken out before it is carried out: an exception loses that one, and no other is carried out twice.
   // Commands may be younger than the ones that wait now.
-  for (const auto& [key, waiting] : std::exchange(without_frame_, {}))
+  std::vector<std::string> keys;
+  for (const auto& [key, waiting] : without_frame_) keys.push_back(key);
+  for (const std::string& key : keys) {
+    const Waiting waiting = std::move(without_frame_.extract(key).mapped());
     carryOut(waiting.command, waiting.give_up, simulation, frame);
+  }
 
   const auto is_due = [&](const Command& command) { return command.stamp <= begin; };
   const auto later = std::stable_partition(commands_.begin(), commands_.end(), is_due);
   std::stable_sort(commands_.begin(), later, [](const Command& a, const Command& b) { return a.stamp < b.stamp; });
-  for (auto command = commands_.begin(); command != later; ++command)
-    carryOut(*command, SteadyClock::now() + kTransformPatience, simulation, frame);
-  commands_.erase(commands_.begin(), later);
+  for (auto num_due = later - commands_.begin(); num_due > 0; --num_due) {
+    const Command command = std::move(commands_.front());
+    commands_.pop_front();
+    carryOut(command, SteadyClock::now() + kTransformPatience, simulation, frame);
+  }
   last_begin_ = begin;
   const ros::Time stamp = ros::Time().fromNSec(static_cast<std::uint64_t>(end));
   for (const std::string& problem : tools_.move(stamp, simulation, frame)) warnings_.report(Warning::kWaiting, problem);
