@@ -7,8 +7,8 @@
 namespace deformable_surface::node {
 namespace {
 
-// Resets, single steps and new surfaces come one by one; a burst of them must not fill the memory.
-constexpr std::size_t kMostWaiting = 4;
+// Resets, single steps, new surfaces and subscribers come one by one; a burst of them must not fill the memory.
+constexpr std::size_t kMostKept = 4;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void FrameThread::show(Moment&& moment) {
     waiting_.pop_back();
     ++num_dropped_;
   }
-  left_.wait(lock, [this] { return is_ended_ || waiting_.size() < kMostWaiting; });
+  if (moment.is_kept) left_.wait(lock, [this] { return is_ended_ || waiting_.size() < kMostKept; });
   if (moment.is_result) ++num_results_;
   waiting_.push_back(std::move(moment));
   came_.notify_one();

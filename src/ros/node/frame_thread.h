@@ -1,5 +1,5 @@
-// The thread that makes and publishes what is displayed of the surface. The stepping thread hands moments over and never
-// waits for one to be shown. The two threads share only the waiting moments.
+// The thread that makes and publishes what is displayed of the surface. The stepping thread hands moments over. It waits
+// for one to be shown only where several wait that must be kept. The two threads share only the waiting moments.
 #pragma once
 
 #include "moment.h"
@@ -23,7 +23,8 @@ class FrameThread {
   FrameThread(const FrameThread&) = delete;
   FrameThread& operator=(const FrameThread&) = delete;
 
-  /// Replaces a waiting moment, unless that one must be kept. Blocks only while several such moments wait.
+  /// Replaces a waiting moment, unless that one must be kept. One that must be kept itself blocks while several such moments
+  /// wait.
   void show(Moment&& moment);
   /// Waits until the last result of a call that was handed over before is shown. For any thread but the one that shows.
   void waitForResult();

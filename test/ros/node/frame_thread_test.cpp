@@ -88,6 +88,20 @@ TEST(FrameThread, KeepsWhatIsToBeKeptAndWhatWasAskedOfThoseThatGaveWay) {
   EXPECT_EQ(frames.numDropped(), 2);
 }
 
+TEST(FrameThread, AsManyAsAreToBeKeptWaitAndOneMore) {
+  Screen screen;
+  FrameThread frames([&](Moment& moment) { screen.show(moment); }, 1);
+  frames.show(makeMoment(1));
+  screen.waitUntilBegun(1);
+  for (std::int64_t stamp = 2; stamp <= 5; ++stamp) frames.show(makeMoment(stamp, true));
+  // These would wait for ever.
+  frames.show(makeMoment(6));
+  frames.show(makeMoment(7));
+  screen.let(6);
+  EXPECT_EQ(screen.waitFor(6), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 7}));
+  EXPECT_EQ(frames.numDropped(), 1);
+}
+
 TEST(FrameThread, EndsWhileMomentsWait) {
   Screen screen;
   {
