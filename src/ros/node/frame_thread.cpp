@@ -32,7 +32,6 @@ FrameThread::~FrameThread() {
 void FrameThread::show(Moment&& moment) {
   std::unique_lock<std::mutex> lock(mutex_);
   if (!waiting_.empty() && !waiting_.back().is_kept) {
-    moment.all = moment.all || waiting_.back().all;
     waiting_.pop_back();
     ++num_dropped_;
   }

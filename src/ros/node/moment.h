@@ -17,8 +17,8 @@ struct Moment {
   CloudId cloud;
   double time_input = 0.0;                           // s spent on commands in the last step, for the statistics
   std::uint64_t revision = 0, surface_revision = 0;  // of the simulation
-  bool all = false;                                  // clouds and markers too that have not changed since they were published
   bool is_kept = false;                              // it is shown, also where a newer one comes
+  bool all = false;                                  // of one that is kept: clouds and markers too that have not changed
   bool is_result = false;                            // of a call: the cloud is made for later subscribers, too
   // For the first moment of a new surface, at rest; else null and empty:
   std::unique_ptr<simulation::Simulation> viewer;

@@ -21,7 +21,6 @@ class Screen {
     changed_.wait(lock, [this] { return num_let_ > 0; });
     --num_let_;
     shown_.push_back(moment.stamp);
-    was_all_.push_back(moment.all);
     changed_.notify_all();
   }
   void let(int count) {
@@ -38,17 +37,12 @@ class Screen {
     changed_.wait(lock, [&] { return shown_.size() >= count; });
     return shown_;
   }
-  std::vector<bool> wasAll() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return was_all_;
-  }
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
   int num_begun_ = 0, num_let_ = 0;
   std::vector<std::int64_t> shown_;
-  std::vector<bool> was_all_;
 };
 
 Moment makeMoment(std::int64_t stamp, bool is_kept = false) {
@@ -71,20 +65,17 @@ TEST(FrameThread, ShowsTheNewestAndNeverHoldsUpWhoHandsOver) {
   EXPECT_EQ(frames.numDropped(), 98);
 }
 
-TEST(FrameThread, KeepsWhatIsToBeKeptAndWhatWasAskedOfThoseThatGaveWay) {
+TEST(FrameThread, KeepsWhatIsToBeKept) {
   Screen screen;
   FrameThread frames([&](Moment& moment) { screen.show(moment); }, 1);
   frames.show(makeMoment(1));
   screen.waitUntilBegun(1);
   frames.show(makeMoment(2));
   frames.show(makeMoment(3, true));
-  Moment all = makeMoment(4);
-  all.all = true;
-  frames.show(std::move(all));
+  frames.show(makeMoment(4));
   frames.show(makeMoment(5));
   screen.let(3);
   EXPECT_EQ(screen.waitFor(3), (std::vector<std::int64_t>{1, 3, 5}));
-  EXPECT_EQ(screen.wasAll(), (std::vector<bool>{false, false, true}));
   EXPECT_EQ(frames.numDropped(), 2);
 }
 
