@@ -283,15 +283,16 @@ Eigen::Isometry3d Stepper::findGravityTransform() const {
 bool Stepper::updateGravity() {
   if (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_) return is_gravity_known_ = true;
   try {
-    simulation_->setGravity(findGravityTransform().linear() * params_.gravity);
+    gravity_rotation_ = findGravityTransform().linear();
     // The time spent waiting is not caught up.
     if (!is_gravity_known_) skipTo(now_, simulation_->stepCount());
-    return is_gravity_known_ = true;
+    is_gravity_known_ = true;
   } catch (const InputError& error) {
     // Once known, the last one stays.
     if (!is_gravity_known_) warnings_.report(Warning::kWaiting, std::string(error.what()) + "; the surface waits for it");
-    return is_gravity_known_;
   }
+  if (is_gravity_known_) simulation_->setGravity(gravity_rotation_ * params_.gravity);
+  return is_gravity_known_;
 }
 
 }  // namespace deformable_surface::node

@@ -222,6 +222,7 @@ class Stepper {
   bool is_paused_ = false;                          // asked for
   bool was_paused_ = false;                         // at some time since the surface was at rest
   bool is_failed_ = false, is_gravity_known_ = false;
+  Mat3 gravity_rotation_ = Mat3::Identity();  // from gravity_frame, if it is known: the last one
   Hold hold_;
   simulation::TrackingWatch tracking_;            // since the surface was at rest
   bool is_as_built_ = false;                      // only its cloud and params_ have shaped the surface

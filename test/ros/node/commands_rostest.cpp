@@ -6,10 +6,12 @@
 #include "deformable_surface/ToolStatusArray.h"
 #include "deformable_surface/ToolWrenchArray.h"
 
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/static_transform_broadcaster.h>
+#include <tf2_ros/transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
@@ -127,6 +129,46 @@ TEST_F(CommandsTest, TakesForcesAndGravityFromTheirFrames) {
   const Vec3 lifted = readPosition(*frame, free_point) - readPosition(cloud_, free_point);
   EXPECT_LT(lifted.x(), -0.01);
   EXPECT_NEAR(lifted.z(), 0.0, 1e-4);
+}
+
+TEST_F(CommandsTest, GravityThatChangesIsTurnedAsLastKnown) {
+  const std::string scene =
+      "{model: mass_spring, gravity: [0, 0, -1], gravity_frame: world, output: {publish_rate: 100.0, stamp: simulation}}";
+  NodeProcess process("/turned", scene);
+  NodeClient client("/turned");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  cloud_ = makeSurface(ros::Time::now());
+  ASSERT_TRUE(client.exchange(cloud_));
+  ASSERT_TRUE(client.pause(true).success);
+  geometry_msgs::TransformStamped transform;
+  transform.header.frame_id = "world";
+  transform.header.stamp = ros::Time::now();
+  transform.child_frame_id = "camera";
+  transform.transform.rotation.y = transform.transform.rotation.w = std::sqrt(0.5);
+  tf2_ros::TransformBroadcaster broadcaster;
+  ASSERT_TRUE(waitUntil([&] {
+    broadcaster.sendTransform(transform);
+    return client.step(1).success;
+  }));
+  // From here on tf knows none of the times of the steps.
+  transform.header.stamp += ros::Duration(3600.0);
+  transform.transform.rotation = geometry_msgs::Quaternion();
+  transform.transform.rotation.w = 1.0;
+  ASSERT_TRUE(client.reset().success);
+  ASSERT_TRUE(client.step(1).success);
+  broadcaster.sendTransform(transform);
+  dynamic_reconfigure::Reconfigure change;
+  change.request.config.doubles.resize(1);
+  change.request.config.doubles[0].name = "gravity.z";
+  change.request.config.doubles[0].value = -2.0;
+  ASSERT_TRUE(ros::service::call("/turned/set_parameters", change));
+  ASSERT_TRUE(client.step(9).success);
+  const auto frame = client.waitForFrame(stampAfter(10));
+  ASSERT_TRUE(frame);
+  const int free_point = 7 * kColumns + 3;
+  const Vec3 fallen = readPosition(*frame, free_point) - readPosition(cloud_, free_point);
+  EXPECT_NEAR(fallen.x(), 0.5 * 2.0 * 0.1 * 0.1, 2e-3);
+  EXPECT_NEAR(fallen.z(), 0.0, 1e-6);
 }
 
 TEST_F(CommandsTest, RefusesCommandsThatMeanNothing) {
