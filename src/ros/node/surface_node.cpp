@@ -153,13 +153,14 @@ struct SurfaceNode::Impl {
     keepParameters();
     if (params.diagnostics) diagnostics.emplace(given, given_private, private_node, stepper, inbox, warnings);
     subscribe();
+    service_thread.start();
+    reset_thread.start();
+    input_thread.start();
+    // The last one: if a thread cannot be started, only the others end by themselves.
     simulation_thread = std::thread([this, num_threads = params.threads] {
       setNumThreads(num_threads);
       run();
     });
-    service_thread.start();
-    reset_thread.start();
-    input_thread.start();
   }
 
   ~Impl() {
