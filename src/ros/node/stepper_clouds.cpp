@@ -68,7 +68,7 @@ void Stepper::handleClouds() {
   if (work.kind == CloudWork::Kind::kBuild) {
     built_revision_ = params_revision_;
     if (!simulation_) setSurfaceFrame(work.frame);
-    if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
+    if (simulation_) commands_.keepSince(work.stamp);  // without a surface they wait for it anyway
     if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}, {}, {}, {}, {}});
     building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }
