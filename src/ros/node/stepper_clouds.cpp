@@ -25,7 +25,6 @@ constexpr std::int64_t kLongestBuild = 5'000'000'000;
 constexpr std::size_t kMostReady = 64;
 constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
 constexpr double kLongBuild = 2.0;                    // s: a longer wait needs a message
-constexpr double kReportedLag = 0.25;                 // s: a shorter lag is caught up and needs no message
 
 double secondsSince(Inbox::SteadyTime then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
@@ -206,10 +205,11 @@ void Stepper::begin(CloudResult&& result) {
     for (const std::string& more : simulation_->buildNotes()) appendNotice(notices, more);
     notice = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notices;
   }
-  const double behind = is_clock_simulated_ || isLockstep() ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
+  const std::int64_t behind = is_clock_simulated_ || isLockstep() ? 0 : delayed(inbox_.now()) - schedule_.begin(0);
   if (choosing_) notice += "; trials for accuracy.position_error go on in the background (accuracy.patience)";
-  if (behind > kReportedLag)
-    notice += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, and does not catch up with that time";
+  if (behind > kMaxLag)
+    notice +=
+        "; it begins " + formatShort(toSeconds(behind)) + " s after the stamp of its cloud, and does not catch up with that time";
   ROS_INFO_STREAM(warnings_.name() << notice);
   for (const std::string& warning : simulation_->buildWarnings()) warnings_.report(Warning::kNotice, warning);
   if (!trials_.empty() && !is_again) warnings_.report(Warning::kNotice, trials_);
