@@ -14,6 +14,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "few_clouds.h"
+
 namespace deformable_surface::node {
 namespace {
 
@@ -21,10 +23,7 @@ namespace {
 constexpr std::int64_t kOldCloud = 1'000'000'000;
 // The stamp of a cloud is that of its surface at rest while tf2 and RViz, which keep ten seconds, surely know its transforms.
 constexpr std::int64_t kLongestBuild = 5'000'000'000;
-// Clouds that are ready before their step: as many as may wait undecoded.
-constexpr std::size_t kMostReady = 64;
-constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
-constexpr double kLongBuild = 2.0;                    // s: a longer wait needs a message
+constexpr double kLongBuild = 2.0;  // s: a longer wait needs a message
 
 double secondsSince(Inbox::SteadyTime then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
@@ -107,12 +106,7 @@ void Stepper::takeResult(CloudResult&& result) {
     begin(std::move(result));
   } else if (isTracking() && result.frame == frame_) {
     ready_.push_back({result.stamp, std::move(result.observed)});
-    std::int64_t points = 0;
-    for (const ReadyCloud& ready : ready_) points += static_cast<std::int64_t>(ready.cloud->points().size());
-    for (; ready_.size() > kMostReady || (ready_.size() > 1 && points > kMostReadyPoints); ++counts_.clouds_dropped) {
-      points -= static_cast<std::int64_t>(ready_.front().cloud->points().size());
-      ready_.pop_front();
-    }
+    counts_.clouds_dropped += dropOldestClouds(ready_, [](const ReadyCloud& ready) { return ready.cloud->points().size(); });
   }
 }
 

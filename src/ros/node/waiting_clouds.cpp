@@ -2,13 +2,11 @@
 
 #include <utility>
 
+#include "few_clouds.h"
+
 namespace deformable_surface::node {
 namespace {
 
-// Two seconds of a camera: the largest delay of a working transform, and of input.delay. Clouds must not fill the
-// memory.
-constexpr std::size_t kMaxClouds = 64;
-constexpr std::int64_t kMaxPoints = 4'000'000;  // of all together, unless it is one
 // A sensor's transform comes a little after its first cloud. A latched cloud would be lost.
 constexpr std::chrono::seconds kPatience(5);
 
@@ -16,12 +14,7 @@ constexpr std::chrono::seconds kPatience(5);
 
 void WaitingClouds::put(IncomingCloud&& cloud) {
   clouds_.push_back({std::move(cloud), std::chrono::steady_clock::now() + kPatience});
-  std::int64_t points = 0;
-  for (const Entry& entry : clouds_) points += entry.cloud.decoded.cloud.size();
-  for (; clouds_.size() > kMaxClouds || (clouds_.size() > 1 && points > kMaxPoints); ++num_dropped_) {
-    points -= clouds_.front().cloud.decoded.cloud.size();
-    clouds_.pop_front();
-  }
+  num_dropped_ += dropOldestClouds(clouds_, [](const Entry& entry) { return entry.cloud.decoded.cloud.size(); });
 }
 
 std::optional<IncomingCloud> WaitingClouds::take(const std::function<Answer(IncomingCloud&, bool)>& ask) {
