@@ -15,8 +15,6 @@ namespace {
 // Far more than a scene uses; messages must not fill the memory.
 constexpr std::size_t kMaxForces = 1000;
 constexpr std::size_t kMaxWaiting = 100000;
-// Transforms come within a few periods of their publisher; an older command has become irrelevant.
-constexpr std::chrono::seconds kTransformPatience(2);
 
 constexpr char kToolKey[] = "tool ";
 

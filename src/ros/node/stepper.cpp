@@ -20,8 +20,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// Polling period while waiting for a transform; how long a step in lockstep waits for one.
-constexpr milliseconds kPollPeriod(20), kTransformPatience(2000);
+// While waiting for a transform.
+constexpr milliseconds kPollPeriod(20);
 // How often a sleeping surface is updated: its steps then pass at once, and any event wakes the thread at once.
 // Less than the lag that is dropped, so that a step that wakes can be caught up.
 constexpr milliseconds kRestPeriod(100), kUnsubscribedRestPeriod(200), kLeftAlonePeriod(1000);

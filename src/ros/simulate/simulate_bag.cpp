@@ -3,18 +3,18 @@
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/ros/convert/frames.h"
 #include "deformable_surface/ros/convert/step_schedule.h"
 
 #include <ros/serialization.h>
 #include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <chrono>
 #include <utility>
 
 namespace deformable_surface::node {
 namespace {
-
-constexpr std::int64_t kTransformPatience = 2'000'000'000;  // ns, as long as the node waits
 
 std::vector<std::uint8_t> readBytes(const rosbag::MessageInstance& instance) {
   std::vector<std::uint8_t> bytes(instance.size());
@@ -180,7 +180,7 @@ void InputBag::seeAgain(std::int64_t recorded) {
   std::vector<Unknown> rest;
   for (Unknown& unknown : unknown_) {
     const std::string& frame = unknown.frame;
-    if (unknown.has_waited && recorded - unknown.recorded > kTransformPatience) {
+    if (unknown.has_waited && std::chrono::nanoseconds(recorded - unknown.recorded) > kTransformPatience) {
       giveUp(unknown);
       continue;
     }

@@ -9,10 +9,15 @@
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
+#include <chrono>
 #include <optional>
 #include <string>
 
 namespace deformable_surface::node {
+
+/// How long a command, or a step in lockstep, waits for a transform. Transforms come within a few periods of their publisher; an
+/// older command has become irrelevant.
+constexpr std::chrono::seconds kTransformPatience{2};
 
 /// There is no transform yet; it may still come.
 class FrameError : public InputError {
