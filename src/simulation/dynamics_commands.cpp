@@ -185,7 +185,7 @@ Changes Dynamics::perform(const command::SetDamping& c) {
 }
 
 Changes Dynamics::perform(const command::SetParams& c) {
-  if (c.params.gravity != params_.gravity) loads_.gravity.gravity = c.params.gravity;
+  if (c.params.gravity != params_.gravity) perform(command::SetGravity{c.params.gravity});
   if (c.params.material.damping != params_.material.damping) system_.setDamping(c.params.material.damping);
   params_ = withRunTimeValues(std::move(params_), c.params);
   loads_.pressure.setPressure(params_.pressure);

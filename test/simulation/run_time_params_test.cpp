@@ -1,7 +1,7 @@
 // Values of a scene that change while its surface runs.
 #include "deformable_surface/simulation/run_time_params.h"
-#include "clouds.h"
 #include "deformable_surface/base/error.h"
+#include "self_contact_runs.h"
 
 #include <gtest/gtest.h>
 
@@ -53,6 +53,21 @@ TEST(RunTimeParams, TheyBelongToSnapshotsAndForks) {
   EXPECT_EQ(s.params().pressure, 0.2);
   run(s, 4);
   EXPECT_EQ(s.stateHash(), expected);
+}
+
+// Contact of a surface with itself is the stiffer, the more layers weigh.
+TEST(RunTimeParams, GravityThatChangesIsThatOfForksAlsoInContact) {
+  ContactScene scene = makeScene("fold", 1, 1.0);
+  scene.params.material.young_modulus *= 0.01;
+  Simulation s(scene.params, scene.cloud);
+  run(s, 40);
+  scene.params.gravity *= 4.0;
+  s.setParams(scene.params);
+  Simulation fork = s.fork();
+  run(s, 80);
+  run(fork, 80);
+  EXPECT_GT(s.statistics().self_contacts, 0u);
+  EXPECT_EQ(fork.stateHash(), s.stateHash());
 }
 
 TEST(RunTimeParams, PointsWithAModulusOfTheirOwnKeepIt) {
