@@ -195,23 +195,30 @@ void Dynamics::setTools(std::vector<tool::ToolParams> tools) {
   grips_.setTools(tools_);
 }
 
-// Once, when the first solid tool comes that may touch them. What is cut has left some of them without a side.
+// Once, when the first solid tool comes that may touch them.
 void Dynamics::placePointsBetween() {
-  if (!has_between_ && std::any_of(tools_.begin(), tools_.end(), tool::isPushing)) {
-    const std::vector<model::WeightedTriangle>& skin = outside();
-    has_between_ = !skin.empty();
-    loads_.contact.setBetween(kind_.makeBetween(params_, *rest_, skin));
-  }
-  const transfer::SampledPoints* const between = loads_.contact.points().between();
-  if (!between || !model_->links()) return;
-  const auto& links = model_->links()->stretchLinks();
-  const bool is_cut = static_cast<Index>(links.size()) < num_links_;
-  loads_.contact.setSevered(is_cut ? findSevered(*between, links, static_cast<Index>(model_->masses().size()))
-                                   : std::vector<char>());
+  if (has_between_ || std::none_of(tools_.begin(), tools_.end(), tool::isPushing)) return;
+  const std::vector<model::WeightedTriangle>& skin = outside();
+  has_between_ = !skin.empty();
+  loads_.contact.setBetween(kind_.makeBetween(params_, *rest_, skin));
+  severPointsBetween();
 }
 
-// The parts of contact that are cut with the surface.
+// What is cut has left some of them without a side. They are looked for only where links have changed: tools move in each step.
+void Dynamics::severPointsBetween() {
+  if (!model_->links()) return;
+  const std::vector<std::pair<Index, Index>>& links = model_->links()->stretchLinks();
+  const bool is_cut = static_cast<Index>(links.size()) < num_links_;
+  const auto severedOf = [&](const transfer::SampledPoints& between) {
+    return is_cut ? findSevered(between, links, static_cast<Index>(model_->masses().size())) : std::vector<char>();
+  };
+  if (loads_.contact.points().between()) loads_.contact.setSevered(severedOf(*loads_.contact.points().between()));
+  if (loads_.forces.loadPoints()) loads_.forces.setSevered(severedOf(*loads_.forces.loadPoints()->between));
+}
+
+// The parts of contact and of loads that are cut with the surface.
 void Dynamics::followCuts() {
+  severPointsBetween();
   if (loads_.self_contact) loads_.self_contact->followCut(*model_);
 }
 
@@ -225,16 +232,10 @@ void Dynamics::findTangles() {
 
 // Once, when the first force with a radius comes.
 void Dynamics::placeLoadPoints() {
-  if (!has_load_points_ && loads_.forces.needLoadPoints()) {
-    has_load_points_ = true;
-    loads_.forces.setLoadPoints(kind_.makeLoadPoints(params_, *rest_));
-  }
-  if (!loads_.forces.loadPoints() || !model_->links()) return;
-  const auto& links = model_->links()->stretchLinks();
-  const bool is_cut = static_cast<Index>(links.size()) < num_links_;
-  loads_.forces.setSevered(
-      is_cut ? findSevered(*loads_.forces.loadPoints()->between, links, static_cast<Index>(model_->masses().size()))
-             : std::vector<char>());
+  if (has_load_points_ || !loads_.forces.needLoadPoints()) return;
+  has_load_points_ = true;
+  loads_.forces.setLoadPoints(kind_.makeLoadPoints(params_, *rest_));
+  severPointsBetween();
 }
 
 void Dynamics::giveContactTools() {

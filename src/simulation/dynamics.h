@@ -183,6 +183,7 @@ class Dynamics {
   void setTools(std::vector<tool::ToolParams> tools);
   void giveContactTools();
   void placePointsBetween();
+  void severPointsBetween();
   void followCuts();
   void findTangles();
   bool untangles() const;

@@ -173,9 +173,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
       has_told_dicing_ = true;
       appendNotice(outcome.notice, describeDicing(cut_off));
     }
-    placePointsBetween();
     followCuts();
-    placeLoadPoints();
     loads_.forces.followCut();
     if (was_closed && !isClosed(*model_) && !loads_.pressure.isEmpty())
       appendNotice(outcome.notice,

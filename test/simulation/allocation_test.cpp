@@ -74,6 +74,35 @@ TEST(Allocation, NoStepWithToolsInMotionAllocatesAfterTheFirst) {
   EXPECT_EQ(countAllocations(s, 20), 0);
 }
 
+// What is cut is looked at once, not whenever a tool moves.
+TEST(Allocation, AToolThatFollowsAllocatesNoMoreBesideACutSheet) {
+  simulation::SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.accuracy.estimate = false;
+  tool::ToolParams ball, knife;
+  ball.id = "ball";
+  ball.shape.radius = 0.1;
+  ball.path = {{0.0, Vec3(0.8, 0.0, -0.3)}};
+  knife.id = "knife";
+  knife.mode = tool::Mode::kCut;
+  knife.shape.kind = geometry::Solid::Kind::kBox;
+  knife.shape.size = Vec3(0.002, 0.1, 0.4);
+  knife.path = {{0.0, Vec3(0.513, -0.7, 0.0)}, {0.05, Vec3(0.513, 0.7, 0.0)}};
+  p.tools = {ball, knife};
+  simulation::Simulation s(p, sheetCloud());
+  const auto countInMoves = [&] {
+    s.moveTool("ball", {{0.0, Vec3(0.8, 0.0, -0.31)}});
+    const long before = num_allocations;
+    for (int k = 0; k < 10; ++k) s.moveTool("ball", {{0.0, Vec3(0.8, 0.0, -0.3 - 0.001 * k)}});
+    return num_allocations - before;
+  };
+  const std::size_t links = stretchLinksOf(s.model()).size();
+  const long beside_whole = countInMoves();
+  run(s, 10);
+  ASSERT_LT(stretchLinksOf(s.model()).size(), links);
+  EXPECT_LE(countInMoves(), beside_whole);
+}
+
 // The places where points stick are listed in the state. If more points touch than ever before, the list grows.
 TEST(Allocation, NoStepWithFrictionAllocatesWhileNoMorePointsTouch) {
   simulation::SceneParams p = hangingSheet();
