@@ -63,10 +63,10 @@ Index costOf(const solve::SolveReport& report) { return kOfStep + (report.iterat
 Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface&& rest, AccuracyChoice&& chosen)
     : shared_input(std::make_shared<const cloud::PointCloud>(std::move(cloud))),
       run(params, std::move(rest)),
-      surface(dynamics().rest(), input, dynamics().params(), dynamics().makeFollower()),
-      notes(params.notices),
-      scene_hash(identify(dynamics().rest(), params)),
-      choice(std::move(chosen)) {
+      surface(dynamics().rest(), input, dynamics().params(), dynamics().makeFollower()) {
+  scene_hash = identify(dynamics().rest(), params);
+  choice = std::move(chosen);
+  notes = params.notices;
   const std::vector<std::string>& built = dynamics().rest().notes;
   notes.insert(notes.end(), built.begin(), built.end());
   warnings = dynamics().rest().warnings;

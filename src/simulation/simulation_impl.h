@@ -39,28 +39,32 @@ struct Snapshot::Contents {
   std::shared_ptr<const ErrorEstimator::Memory> estimate;  // null: no estimate
 };
 
-struct Simulation::Impl {
-  const std::shared_ptr<const cloud::PointCloud> shared_input;
-  const cloud::PointCloud& input = *shared_input;
-  EstimatedDynamics run;
-  DeformedSurface surface;
+/// What a fork copies as it is.
+struct CopiedByForks {
   std::vector<std::string> notes;
   std::vector<std::string> warnings;  // those of the rest surface, of its contact and of its growth
-  std::uint64_t scene_hash;           // of the given scene
-
+  std::uint64_t scene_hash = 0;       // of the given scene
   // A trial has shown that the membrane may be softer than stated, or which integrator to take. It is valid until a command
   // comes or its time is over.
   AccuracyChoice choice;
-  double softening = 0.0;         // m, effect of the softer membrane so far, in the trial
-  std::string trial_notice;       // for the next step: the trial has ended
   bool is_target_missed = false;  // said since the last reset
   double largest_error = 0.0;     // m, expected where the target counts, since rest; infinite where the estimate is no bound
   bool is_target_kept = false;    // said since the last reset
   bool was_commanded = false;     // or restored, since the last reset
   TrackingWatch tracking;         // since the last reset
-  LastingNotices lasting;         // since the last reset, fork or snapshot
-  FrequentSteps fallbacks;        // to another integrator; since then
-  StretchWatch stretched;         // since then
+};
+
+struct Simulation::Impl : CopiedByForks {
+  const std::shared_ptr<const cloud::PointCloud> shared_input;
+  const cloud::PointCloud& input = *shared_input;
+  EstimatedDynamics run;
+  DeformedSurface surface;
+
+  double softening = 0.0;                // m, effect of the softer membrane so far, in the trial
+  std::string trial_notice;              // for the next step: the trial has ended
+  LastingNotices lasting;                // since the last reset, fork or snapshot
+  FrequentSteps fallbacks;               // to another integrator; since then
+  StretchWatch stretched;                // since then
   std::optional<PassageWatch> passages;  // where contact.self: auto is off; a fork has none
   bool is_passage_told = false;          // since the last reset or snapshot
   Index substeps_since_look = 0;         // at passages

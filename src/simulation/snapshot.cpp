@@ -26,17 +26,10 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
 }
 
 Simulation::Impl::Impl(const Impl& other, bool to_view)
-    : shared_input(other.shared_input),
+    : CopiedByForks(other),
+      shared_input(other.shared_input),
       run(other.run, to_view),
       surface(dynamics().rest(), input, dynamics().params(), dynamics().makeFollower()),
-      notes(other.notes),
-      scene_hash(other.scene_hash),
-      choice(other.choice),
-      is_target_missed(other.is_target_missed),
-      largest_error(other.largest_error),
-      is_target_kept(other.is_target_kept),
-      was_commanded(other.was_commanded),
-      tracking(other.tracking),
       is_viewer(to_view) {
   dynamics().setCutFollower(&surface);
   restoreLooks(other.saveLooks());

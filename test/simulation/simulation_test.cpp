@@ -172,6 +172,17 @@ TEST(Simulation, PinsThatHoldEverythingAreSaid) {
   EXPECT_EQ(std::count_if(all.begin(), all.end(), says), 1);
 }
 
+TEST(Simulation, AForkHasTheNotesAndWarningsOfTheSurface) {
+  SceneParams params = hangingSheet();
+  params.pins[0].region.kind = geometry::Region::Kind::kSphere;
+  params.pins[0].region.radius = 100.0;  // holds everything
+  const Simulation s(params, sheetCloud());
+  ASSERT_FALSE(s.buildWarnings().empty());
+  ASSERT_FALSE(s.buildNotes().empty());
+  EXPECT_EQ(s.fork().buildWarnings(), s.buildWarnings());
+  EXPECT_EQ(s.fork().buildNotes(), s.buildNotes());
+}
+
 TEST(Simulation, APinThatHoldsNoPointIsNamed) {
   SceneParams p = hangingSheet();
   p.pins[0].region.max.x() = p.pins[0].region.min.x() = -5.0;
