@@ -40,8 +40,8 @@ class Printer : public Fields {
     for (const Vec3& row : value) rows.push_back(Value::List(row.data(), row.data() + 3));
     put(about, std::move(rows));
   }
-  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) override {
-    put(about, chosen < 0 ? "a value without a name" : accepted[chosen]);
+  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted, const Value& other) override {
+    put(about, chosen < 0 ? other : Value(accepted[chosen]));
   }
   void onBounds(const About& about, std::vector<NamedBounds>& value, const std::vector<std::string>&) override {
     Value::Map map;

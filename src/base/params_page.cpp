@@ -63,7 +63,7 @@ class Page : public Fields {
   void onRows(const About& about, Points&) override {
     addRow(about, "[]", "a list of lists of 3 numbers, each " + about.range.describe());
   }
-  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) override {
+  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted, const Value&) override {
     addRow(about, accepted[chosen], "`" + join(accepted, "`, `") + "`");
   }
   void onBounds(const About& about, std::vector<NamedBounds>&, const std::vector<std::string>& known) override {

@@ -86,17 +86,25 @@ class Reader : public Fields {
     bool failed;                  // a field could not be read: rules among fields would complain about its default
   };
 
-  // The value of a field, or nullptr if it was not given.
-  const Value* get(const About& about, const std::string& accepted) {
+  // The value of a field, or nullptr if it was not given. accepted: makes the words for what may be given, which are needed
+  // for problems only, and take most of the time where there are none.
+  template <class Words>
+  const Value* get(const About& about, const Words& accepted) {
     Frame& frame = stack_.back();
     frame.known.insert(about.name);
     const Value* value = frame.map->find(about.name);
-    if (!value && about.required) addProblem(about.name, "missing; accepted: " + accepted);
+    if (!value && about.required) addProblem(about.name, "missing; accepted: " + std::string(accepted()));
     return value;
   }
 
+  // Of the whole, which has no name, the sentence alone.
+  void tell(const std::string& name, const std::string& sentence) {
+    const std::string path = joinPath(stack_.back().path, name);
+    problems_.push_back(path.empty() ? sentence : path + ": " + sentence);
+  }
+
   void addProblem(const std::string& name, const std::string& sentence) {
-    problems_.push_back(joinPath(stack_.back().path, name) + ": " + sentence);
+    tell(name, sentence);
     stack_.back().failed = true;
   }
 
@@ -105,19 +113,19 @@ class Reader : public Fields {
   }
 
   void onNumber(const About& about, double& value) override {
-    const std::string accepted = withUnit(about.range.describe(), about.unit);
+    const auto accepted = [&] { return withUnit(about.range.describe(), about.unit); };
     const Value* given = get(about, accepted);
     double number = 0.0;
     if (!given) return;
     if (toNumber(*given, number) && about.range.contains(number)) {
       value = number;
     } else {
-      refuse(about, *given, accepted);
+      refuse(about, *given, accepted());
     }
   }
 
   void onNumberOrAuto(const About& about, OrAuto<double>& value) override {
-    const std::string accepted = "auto, or " + withUnit(about.range.describe(), about.unit);
+    const auto accepted = [&] { return "auto, or " + withUnit(about.range.describe(), about.unit); };
     const Value* given = get(about, accepted);
     double number = 0.0;
     if (!given) return;
@@ -126,34 +134,35 @@ class Reader : public Fields {
     } else if (toNumber(*given, number) && about.range.contains(number)) {
       value = number;
     } else {
-      refuse(about, *given, accepted);
+      refuse(about, *given, accepted());
     }
   }
 
   void onInteger(const About& about, Index& value) override {
-    const std::string accepted = "an integer, " + withUnit(about.range.describe(), about.unit);
+    const auto accepted = [&] { return "an integer, " + withUnit(about.range.describe(), about.unit); };
     const Value* given = get(about, accepted);
     double number = 0.0;
     if (!given) return;
     if (toNumber(*given, number) && about.range.contains(number) && number == std::floor(number)) {
       value = static_cast<Index>(number);
     } else {
-      refuse(about, *given, accepted);
+      refuse(about, *given, accepted());
     }
   }
 
   void onFlag(const About& about, bool& value) override {
-    const Value* given = get(about, "true or false");
+    const auto accepted = [] { return "true or false"; };
+    const Value* given = get(about, accepted);
     if (!given) return;
     if (given->asBool()) {
       value = *given->asBool();
     } else {
-      refuse(about, *given, "true or false");
+      refuse(about, *given, accepted());
     }
   }
 
   void onFlagOrAuto(const About& about, OrAuto<bool>& value) override {
-    const std::string accepted = "auto, true or false";
+    const auto accepted = [] { return "auto, true or false"; };
     const Value* given = get(about, accepted);
     if (!given) return;
     if (given->asText() && *given->asText() == "auto") {
@@ -161,12 +170,12 @@ class Reader : public Fields {
     } else if (given->asBool()) {
       value = *given->asBool();
     } else {
-      refuse(about, *given, accepted);
+      refuse(about, *given, accepted());
     }
   }
 
   void onText(const About& about, std::string& value) override {
-    const Value* given = get(about, "text");
+    const Value* given = get(about, [] { return "text"; });
     if (!given) return;
     if (given->asText()) {
       value = *given->asText();
@@ -176,15 +185,16 @@ class Reader : public Fields {
   }
 
   void onVector(const About& about, double* value, int size) override {
-    if (const Value* given = get(about, describeRow(about, size))) readRow(about, about.name, *given, value, size);
+    if (const Value* given = get(about, [&] { return describeRow(about, size); }))
+      readRow(about, about.name, *given, value, size);
   }
 
   void onRows(const About& about, Points& value) override {
-    const std::string accepted = "a list of lists, each " + describeRow(about, 3);
+    const auto accepted = [&] { return "a list of lists, each " + describeRow(about, 3); };
     const Value* given = get(about, accepted);
     if (!given) return;
     const Value::List* list = given->asList();
-    if (!list) return refuse(about, *given, accepted);
+    if (!list) return refuse(about, *given, accepted());
     value.assign(list->size(), Vec3::Zero());
     for (std::size_t i = 0; i < list->size(); ++i)
       readRow(about, about.name + "[" + std::to_string(i) + "]", (*list)[i], value[i].data(), 3);
@@ -209,23 +219,23 @@ class Reader : public Fields {
     }
   }
 
-  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) override {
-    const std::string names = join(accepted, ", ");
+  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted, const Value&) override {
+    const auto names = [&] { return join(accepted, ", "); };
     const Value* given = get(about, names);
     if (!given) return;
     const std::string* text = given->asText();
     const auto found = text ? std::find(accepted.begin(), accepted.end(), *text) : accepted.end();
-    if (found == accepted.end()) return refuse(about, *given, names);
+    if (found == accepted.end()) return refuse(about, *given, names());
     chosen = static_cast<int>(found - accepted.begin());
   }
 
   void onBounds(const About& about, std::vector<NamedBounds>& value, const std::vector<std::string>& known) override {
-    const std::string accepted = "a map from quantities to [min, max]";
+    const auto accepted = [] { return "a map from quantities to [min, max]"; };
     const Value* given = get(about, accepted);
     if (!given) return;
     value.clear();
     if (given->isNull()) return;
-    if (!given->isMap()) return refuse(about, *given, accepted);
+    if (!given->isMap()) return refuse(about, *given, accepted());
     for (const auto& [name, item] : *given->asMap()) {
       const std::string shown = trimQuotes(quote(name)), key = about.name + "." + shown;
       if (!std::count(known.begin(), known.end(), name)) {
@@ -246,7 +256,7 @@ class Reader : public Fields {
   }
 
   bool onBegin(const About& about, bool) override {
-    const Value* given = get(about, "a map");
+    const Value* given = get(about, [] { return "a map"; });
     if (!given || given->isNull()) return false;
     if (!given->isMap()) {
       refuse(about, *given, "a map");
@@ -261,7 +271,7 @@ class Reader : public Fields {
 
   std::size_t onBeginList(const About& about, std::size_t size) override {
     static const Value kEmptyList{Value::List{}};
-    const Value* given = get(about, "a list of maps");
+    const Value* given = get(about, [] { return "a list of maps"; });
     std::size_t new_size = size;
     const Value* list = nullptr;  // nothing to read: the items stay
     if (given && given->isNull()) {
@@ -294,7 +304,7 @@ class Reader : public Fields {
   void onEndList() override { stack_.pop_back(); }
 
   void onBroken(const std::string& name, const std::string& sentence) override {
-    if (!stack_.back().failed) problems_.push_back(joinPath(stack_.back().path, name) + ": " + sentence);
+    if (!stack_.back().failed) tell(name, sentence);
   }
 
   const std::vector<std::string>& all_keys_;

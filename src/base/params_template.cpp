@@ -66,7 +66,7 @@ class Template : public Fields {
     put(about, asLine(Value::List(value, value + size)), "each " + about.range.describe());
   }
   void onRows(const About& about, Points&) override { put(about, "[]", "lists of 3 numbers, each " + about.range.describe()); }
-  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) override {
+  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted, const Value&) override {
     put(about, accepted[chosen], "one of " + join(accepted, ", "));
   }
   void onBounds(const About& about, std::vector<NamedBounds>& value, const std::vector<std::string>& known) override {

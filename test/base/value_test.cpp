@@ -39,6 +39,22 @@ void visit(Fields& fields, OuterParams& p) {
   fields.require(p.count != 4, "count", "found 4; accepted: others");
 }
 
+enum class Color { kRed, kBlue };
+
+struct ChoiceParams {
+  Color color = Color::kRed;
+  std::string shape = "round";
+};
+
+void visit(Fields& fields, ChoiceParams& p) {
+  fields.choice("color", p.color, {{"red", Color::kRed}, {"blue", Color::kBlue}}, "a colour");
+  // As rules that look a value up in a table.
+  constexpr bool kIsRed[] = {true, false};
+  const bool is_red = kIsRed[static_cast<int>(p.color)];
+  fields.choice<std::string>("shape", p.shape, {{"round", "round"}, {"square", "square"}}, "a shape");
+  fields.require(!is_red || p.shape != "square", "", "found a red square; accepted: a blue one");
+}
+
 Value makeMap(const std::string& key, Value value) { return Value::Map{{key, std::move(value)}}; }
 
 std::vector<std::string> problemsOf(const Value& value) {
@@ -187,6 +203,23 @@ TEST(CheckParams, FindsWhatAProgramSetWrong) {
   params.items[1].weight = std::nan("");
   params.count = 0;
   EXPECT_EQ(checkParams(params).size(), 2u);
+}
+
+TEST(CheckParams, TellsAValueThatIsNoneOfTheChoices) {
+  ChoiceParams params;
+  params.color = static_cast<Color>(1000000000);
+  params.shape = "square";
+  EXPECT_EQ(checkParams(params), std::vector<std::string>{"color: found 1000000000; accepted: red, blue"});
+  params.color = Color::kBlue;
+  EXPECT_TRUE(checkParams(params).empty());
+  params.shape = "flat";
+  EXPECT_EQ(checkParams(params), std::vector<std::string>{"shape: found the text 'flat'; accepted: round, square"});
+}
+
+TEST(CheckParams, TellsARuleOfTheWholeWithoutAKey) {
+  ChoiceParams params;
+  params.shape = "square";
+  EXPECT_EQ(checkParams(params), std::vector<std::string>{"found a red square; accepted: a blue one"});
 }
 
 TEST(Quote, ShowsWholeCharactersAndNoneThatATerminalObeys) {

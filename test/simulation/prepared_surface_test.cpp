@@ -58,7 +58,7 @@ class ChangeOne : public Fields {
   void onRows(const About& about, Points& value) override {
     if (isNext(about)) value.push_back(Vec3::UnitX());
   }
-  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) override {
+  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted, const Value&) override {
     if (isNext(about)) chosen = (chosen + 1) % static_cast<int>(accepted.size());
   }
   void onBounds(const About& about, std::vector<NamedBounds>& value, const std::vector<std::string>& known) override {

@@ -7,6 +7,8 @@
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/base/value.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <string>
@@ -88,8 +90,9 @@ class Fields {
       if (entry.second == value) chosen = static_cast<int>(accepted.size());
       accepted.emplace_back(entry.first);
     }
-    onChoice(take(name, meaning), chosen, accepted);
-    if (chosen >= 0) value = names[chosen].second;
+    onChoice(take(name, meaning), chosen, accepted, chosen < 0 ? toValue(value) : Value());
+    // Where none was chosen, this has been told: the rules that follow need not know such values.
+    value = names[std::max(chosen, 0)].second;
   }
   /// A map from quantities to [min, max]. known: the quantities there are.
   void bounds(const char* name, std::vector<NamedBounds>& value, const std::vector<std::string>& known, const char* meaning) {
@@ -140,8 +143,8 @@ class Fields {
   virtual void onText(const About& about, std::string& value) = 0;
   virtual void onVector(const About& about, double* value, int size) = 0;
   virtual void onRows(const About& about, Points& value) = 0;
-  /// chosen: position among the accepted names, -1 = none of them.
-  virtual void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) = 0;
+  /// chosen: position among the accepted names, -1 = none of them, but the other value.
+  virtual void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted, const Value& other) = 0;
   virtual void onBounds(const About& about, std::vector<NamedBounds>& value, const std::vector<std::string>& known) = 0;
   virtual bool onBegin(const About& about, bool present) = 0;
   virtual void onEnd() = 0;
@@ -151,6 +154,11 @@ class Fields {
   virtual void onBroken(const std::string& name, const std::string& sentence) = 0;
 
  private:
+  static Value toValue(const std::string& name) { return name; }
+  template <class Enum>
+  static Value toValue(Enum value) {
+    return static_cast<std::int64_t>(value);
+  }
   About take(const char* name, const char* meaning, const char* unit = "", const Range& range = {}) {
     return {name, meaning, unit, range, std::exchange(required_, false)};
   }
@@ -189,7 +197,7 @@ Value printParams(Params params) {
 /// All problems of params that were filled by a program, as readParams() would report them.
 template <class Params>
 std::vector<std::string> checkParams(const Params& params) {
-  Params copy;
+  Params copy = params;  // so that what was made of them, such as the faces of a mesh, is not made again
   std::vector<std::string> problems;
   // A printed map has no unknown keys, so no known ones are needed.
   internal::readFields(

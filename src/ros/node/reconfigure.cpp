@@ -50,7 +50,7 @@ class Finder : public Fields {
   void onText(const About&, std::string&) override {}
   void onVector(const About& about, double*, int size) override { add(about, false, size); }
   void onRows(const About&, Points&) override {}
-  void onChoice(const About&, int&, const std::vector<std::string>&) override {}
+  void onChoice(const About&, int&, const std::vector<std::string>&, const Value&) override {}
   void onBounds(const About&, std::vector<NamedBounds>&, const std::vector<std::string>&) override {}
   bool onBegin(const About& about, bool) override {
     path_.push_back(about.name);
