@@ -80,6 +80,24 @@ std::vector<ExtraField> makeColumns(const PointCloud& cloud, const std::vector<f
   return columns;
 }
 
+// Columns of another length would be read past their end.
+void requireRows(const std::string& file, const PointCloud& cloud, const std::vector<float>& displacement) {
+  const std::size_t n = cloud.positions.size();
+  const auto require = [&](std::size_t found, std::size_t accepted, const std::string& what) {
+    if (found != accepted)
+      refuse(file, "found " + std::to_string(found) + " " + what + " for " + std::to_string(n) +
+                       " points; accepted: " + std::to_string(accepted));
+  };
+  if (!cloud.normals.empty()) require(cloud.normals.size(), n, "normals");
+  if (!displacement.empty()) require(displacement.size(), n, "displacements");
+  for (const ExtraField& field : cloud.extra_fields) {
+    const std::size_t type = static_cast<std::size_t>(field.type);
+    if (type < 1 || type > static_cast<std::size_t>(ScalarType::kFloat64))
+      refuse(file, "found the type " + std::to_string(type) + " of the field " + quote(field.name) + "; accepted: 1 to 8");
+    require(field.bytes.size(), n * field.count * cloud::sizeOf(field.type), "bytes of the field " + quote(field.name));
+  }
+}
+
 std::string makeHeader(const PointCloud& cloud, const std::vector<ExtraField>& columns, bool is_ply) {
   static const char* const kPlyTypes[] = {"", "char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
   static const char* const kPcdTypes[] = {"", "I", "U", "I", "U", "I", "U", "F", "F"};
@@ -122,6 +140,7 @@ void checkPointFileName(const std::string& file) {
 void writePointFile(const std::string& file, const cloud::PointCloud& cloud, const std::vector<float>& displacement) {
   checkPointFileName(file);
   const bool is_ply = toLowerExtension(file) == ".ply";
+  requireRows(file, cloud, displacement);
   const std::size_t n = cloud.positions.size();
   const std::vector<ExtraField> columns = makeColumns(cloud, displacement, is_ply);
 

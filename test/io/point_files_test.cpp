@@ -174,6 +174,30 @@ TEST_F(PointFiles, FieldNamesCannotBreakAHeader) {
   }
 }
 
+TEST_F(PointFiles, RefusesToWriteColumnsOfAnotherLength) {
+  const auto problemOf = [&](const PointCloud& cloud, const std::vector<float>& displacement) -> std::string {
+    const std::string file = path("a.ply");
+    try {
+      writePointFile(file, cloud, displacement);
+    } catch (const InputError& error) {
+      EXPECT_FALSE(std::ifstream(file).good());
+      return std::string(error.what()).substr(file.size());
+    }
+    return "written";
+  };
+  PointCloud cloud = makeCloud();
+  EXPECT_EQ(problemOf(cloud, {1, 2, 3}), ": found 3 displacements for 4 points; accepted: 4");
+  cloud.normals.pop_back();
+  EXPECT_EQ(problemOf(cloud, {}), ": found 3 normals for 4 points; accepted: 4");
+  cloud.normals.clear();
+  cloud.extra_fields[2].bytes.pop_back();
+  EXPECT_EQ(problemOf(cloud, {}), ": found 15 bytes of the field 'pair' for 4 points; accepted: 16");
+  cloud.extra_fields[2].type = static_cast<ScalarType>(0);
+  EXPECT_EQ(problemOf(cloud, {}), ": found the type 0 of the field 'pair'; accepted: 1 to 8");
+  cloud.extra_fields.clear();
+  EXPECT_EQ(problemOf(cloud, {}), "written");
+}
+
 TEST_F(PointFiles, ReadsAsciiPcdWithHolesScaleAndViewpoint) {
   const std::string file = write("a.pcd", makePcd("2", "ascii", "1 2 3\nnan nan nan\n"));
   const PointCloud cloud = readPointFile(file, 0.001, kMany);

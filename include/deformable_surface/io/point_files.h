@@ -25,7 +25,8 @@ cloud::PointCloud readPointFile(const std::string& file, double scale, Index max
 
 /// Writes x y z, the normals and the displacement (n, or empty) as float32, and the extra fields, to a binary .ply or .pcd, first
 /// under a temporary name (pending_file.h). Width and height are kept in a .pcd. An extra field called displacement is
-/// replaced by the displacement. Throws InputError if the name or the place is not accepted.
+/// replaced by the displacement. Throws InputError if the name or the place is not accepted, or normals, displacement and fields
+/// are not those of as many points.
 void writePointFile(const std::string& file, const cloud::PointCloud& cloud, const std::vector<float>& displacement = {});
 
 /// Throws InputError unless writePointFile() knows the extension. For options whose file is written after a long run.
