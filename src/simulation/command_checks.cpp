@@ -44,6 +44,17 @@ std::string findDifference(const std::string& key, const Value& before, const Va
   return key + ": found " + (what == what_before ? "another value" : what + " instead of " + what_before);
 }
 
+// Gravity and a region alone, as a scene has them.
+struct Gravity {
+  Vec3 value;
+};
+void visit(Fields& fields, Gravity& gravity) { visitGravity(fields, gravity.value); }
+
+struct Shape {
+  geometry::Region region;
+};
+void visit(Fields& fields, Shape& shape) { geometry::visitRegion(fields, shape.region); }
+
 void requirePath(const std::string& whose, const std::vector<tool::WaypointParams>& path) {
   const std::string problem = tool::findProblem(path);
   if (!problem.empty()) throw InputError(whose + " " + problem);
@@ -57,8 +68,8 @@ void requireParticles(const Dynamics& dynamics) {
 
 void checkCommand(const command::RemoveForce&, const Dynamics&) {}
 void checkCommand(const command::RemoveTool&, const Dynamics&) {}
-void checkCommand(const command::Pin&, const Dynamics&) {}
-void checkCommand(const command::Unpin&, const Dynamics&) {}
+void checkCommand(const command::Pin& c, const Dynamics&) { refuse(checkParams(Shape{c.region}), "region "); }
+void checkCommand(const command::Unpin& c, const Dynamics&) { refuse(checkParams(Shape{c.region}), "region "); }
 void checkCommand(const command::EditParticles&, const Dynamics& dynamics) { requireParticles(dynamics); }
 
 // The same checks as for the forces of a scene.
@@ -82,16 +93,19 @@ void checkCommand(const command::MoveTool& c, const Dynamics& dynamics) {
 }
 
 void checkCommand(const command::PinAlong& c, const Dynamics& dynamics) {
+  refuse(checkParams(Shape{c.region}), "pin " + quote(c.id) + " ");
   requirePath("pin " + quote(c.id), c.path);
   if (dynamics.grips().findPin(c.id))
     throw InputError("pin " + quote(c.id) + ": there is one already; accepted: a name of its own");
 }
 
-void checkCommand(const command::MovePin& c, const Dynamics&) { requirePath("pin " + quote(c.id), c.path); }
-
-void checkCommand(const command::SetGravity& c, const Dynamics&) {
-  if (!c.gravity.allFinite()) throw InputError("gravity: found a value that is not finite; accepted: finite numbers");
+void checkCommand(const command::MovePin& c, const Dynamics& dynamics) {
+  requirePath("pin " + quote(c.id), c.path);
+  if (!dynamics.grips().findPin(c.id))
+    throw InputError("pin " + quote(c.id) + ": there is none; accepted: one of those there are");
 }
+
+void checkCommand(const command::SetGravity& c, const Dynamics&) { refuse(checkParams(Gravity{c.gravity})); }
 
 // Why the material of a running surface cannot change so; empty if it can.
 std::string findChangeProblem(const SceneParams& now, const MaterialChangeParams& change) {
@@ -106,6 +120,8 @@ std::string findChangeProblem(const SceneParams& now, const MaterialChangeParams
 
 void checkCommand(const command::SetMaterial& c, const Dynamics& dynamics) {
   std::vector<std::string> problems = checkParams(c.change);
+  if (c.region)
+    for (const std::string& problem : checkParams(Shape{*c.region})) problems.push_back("region " + problem);
   const std::string problem = findChangeProblem(dynamics.params(), c.change);
   if (!problem.empty()) problems.push_back(problem);
   refuse(std::move(problems));
@@ -133,7 +149,8 @@ void checkCommand(const command::SetParams& c, const Dynamics& dynamics) {
   if (!problem.empty()) throw InputError("material." + problem);
 }
 
-void checkCommand(const command::Observe&, const Dynamics& dynamics) {
+void checkCommand(const command::Observe& c, const Dynamics& dynamics) {
+  if (!c.cloud) throw InputError("cloud: found none; accepted: a cloud that was prepared");
   if (!dynamics.kind().traits().is_surface)
     throw InputError("model: found " + dynamics.params().model +
                      ", which has no sides that a cloud could show; accepted: a surface");

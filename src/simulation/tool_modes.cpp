@@ -15,6 +15,7 @@ std::string listKnown(const ModelKind& kind) {
 
 std::vector<ToolProblem> findToolProblems(const std::string& model, const tool::ToolParams& tool) {
   const ModelKind& kind = findModel(model);
+  if (!tool::isMode(tool.mode)) return {};  // which checkParams() refuses
   const tool::ModeInfo& info = tool::infoOf(tool.mode);
   const tool::ModeUse use = kind.useOf(info);
   if (!use.is_known)

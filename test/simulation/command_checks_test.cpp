@@ -29,11 +29,26 @@ std::vector<std::pair<Command, std::string>> badCommands(const simulation::Dynam
   moved.pins[0].region.max.x() = 0.5;
   simulation::MaterialChangeParams negative;
   negative.young_modulus = -1.0;
+  tool::ToolParams odd = unread;
+  odd.shape = {};
+  odd.mode = static_cast<tool::Mode>(1000000000);
+  geometry::Region nowhere, shapeless;
+  nowhere.min.x() = kNaN;
+  shapeless.kind = static_cast<geometry::Region::Kind>(7);
   return {{command::SetForce{{"pull", Vec3(kNaN, 0.0, 0.0)}}, "force 'pull' "},
           {command::SetTool{unread}, "tool 'mesh' "},
+          {command::SetTool{odd}, "tool 'mesh' mode: found 1000000000; accepted: solid, attract, "},
           {command::MoveTool{"none", {{}}}, "there is none"},
-          {command::MovePin{"none", {}}, "pin 'none' "},
-          {command::SetGravity{Vec3(0.0, kNaN, 0.0)}, "gravity: "},
+          {command::MovePin{"none", {}}, "pin 'none' path: "},
+          {command::MovePin{"none", {{}}}, "pin 'none': there is none"},
+          {command::Pin{nowhere}, "region box.min[0]: found "},
+          {command::Unpin{shapeless}, "region found neither of box and sphere"},
+          {command::PinAlong{"held", nowhere, {{}}}, "pin 'held' box.min[0]: found "},
+          {command::SetMaterial{nowhere, negative}, "region box.min[0]: found "},
+          {command::SetGravity{Vec3(0.0, kNaN, 0.0)}, "gravity[1]: "},
+          {command::SetGravity{Vec3(0.0, 0.0, 1e9)}, "gravity[2]: found 1.0e+09; accepted: -1e6 to 1e6 (m/s^2)"},
+          {command::Observe{}, "cloud: found none"},
+          {command::SetMaterial{}, "found none of young_modulus"},
           {command::SetMaterial{{}, negative}, "young_modulus"},
           {command::SetDamping{-1.0}, "damping"},
           {command::SetParams{other},
@@ -55,6 +70,7 @@ TEST(CommandChecks, RefuseWhatCannotBeDoneAndChangeNothing) {
       ADD_FAILURE() << "accepted";
     } catch (const InputError& problem) {
       EXPECT_NE(std::string(problem.what()).find(said), std::string::npos) << problem.what();
+      EXPECT_NE(problem.what()[0], ':') << problem.what();
     }
   }
   EXPECT_EQ(sheet.revision(), revision);

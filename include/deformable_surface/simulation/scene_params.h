@@ -457,6 +457,10 @@ inline void visit(Fields& fields, InputParams& p) {
 /// Why a scene's model cannot have this change; empty if it can.
 std::string findMaterialProblem(const SceneParams& p, const MaterialChangeParams& change);
 
+inline void visitGravity(Fields& fields, Vec3& gravity) {
+  fields.vector("gravity", gravity, "m/s^2", between(-1e6, 1e6), "gravity, in gravity_frame");
+}
+
 // Rules of the registered models for a scene (src/simulation/scene_rules.cpp).
 void visitModelName(Fields& fields, std::string& model);
 void visitModelOptions(Fields& fields, SceneParams& p);
@@ -478,7 +482,7 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.section("contact", p.contact, "Contact of the surface with itself (docs/contact.md).");
   const std::string stated = describeStatedNumber(p.simplification);
   fields.require(stated.empty() || !(p.accuracy.position_error > 0.0 || p.accuracy.step_budget > 0.0), "accuracy", stated);
-  fields.vector("gravity", p.gravity, "m/s^2", between(-1e6, 1e6), "gravity, in gravity_frame");
+  visitGravity(fields, p.gravity);
   fields.text("gravity_frame", p.gravity_frame, "frame of `gravity`; empty = frame_id; the node looks other frames up in tf");
   fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9),
                 "viscous drag: force per current area and normal velocity, against the motion");

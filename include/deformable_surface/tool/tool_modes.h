@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <string>
 
 namespace deformable_surface::tool {
@@ -72,6 +74,10 @@ inline constexpr ModeInfo kModes[] = {
      {0.9f, 0.3f, 0.1f}},
 };
 
+/// False of a value that is none of the modes, as programs can make one.
+constexpr bool isMode(Mode mode) { return static_cast<std::size_t>(mode) < std::size(kModes); }
+
+/// Only if isMode().
 constexpr const ModeInfo& infoOf(Mode mode) { return kModes[static_cast<int>(mode)]; }
 
 /// The mode with this message code; null: none.
