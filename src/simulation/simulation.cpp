@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/params.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -22,6 +23,13 @@ namespace {
 template <class... Kinds>
 bool isOne(const Command& command) {
   return (std::holds_alternative<Kinds>(command) || ...);
+}
+
+/// What a scene file would not be accepted with is not accepted from a program either.
+const SceneParams& checked(const SceneParams& params) {
+  std::vector<std::string> problems = checkParams(params);
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return params;
 }
 
 constexpr double kHaltedShare = 0.5;  // of the sub-steps of a step: from here on the motion is told to be wrong
@@ -283,17 +291,17 @@ std::string Simulation::Impl::tellTargetKept() {
 
 Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   AccuracyChoice choice;
-  RestSurface rest = buildChosen(params, input, choice);
+  RestSurface rest = buildChosen(checked(params), input, choice);
   impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest), std::move(choice));
 }
 Simulation::Simulation(const SceneParams& params, cloud::PointCloud input, RestSurface&& prepared) {
   AccuracyChoice choice;
-  RestSurface rest = buildChosen(params, std::move(prepared), choice);
+  RestSurface rest = buildChosen(checked(params), std::move(prepared), choice);
   impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest), std::move(choice));
 }
 Simulation Simulation::untried(const SceneParams& params, cloud::PointCloud input) {
   AccuracyChoice choice;
-  RestSurface rest = buildUntried(params, input, choice);
+  RestSurface rest = buildUntried(checked(params), input, choice);
   return Simulation(std::make_unique<Impl>(params, std::move(input), std::move(rest), std::move(choice)));
 }
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

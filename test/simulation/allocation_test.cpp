@@ -243,6 +243,7 @@ TEST(Allocation, NoStepOfOrientedParticlesAllocatesAfterTheFirst) {
       tool::ToolParams ball = warm;
       ball.id = "ball";
       ball.mode = tool::Mode::kSolid;
+      ball.strength = 0.0;
       ball.path[0].position = Vec3(0.5, 0.0, -0.25);
       if (type == Type::kVerlet) p.tools = {warm, ball};
       simulation::Simulation s(p, asCloud(makeSheet(12, 12, 1.0, 1.0).points));

@@ -2,12 +2,16 @@
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/params.h"
+#include "deformable_surface/io/scene.h"
+#include "deformable_surface/simulation/prepared_surface.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -213,6 +217,51 @@ TEST(Simulation, IsNotBuiltToTheEndWhenThatIsInterrupted) {
     const InterruptScope scope(flag);
     EXPECT_THROW(Simulation(params, cloud), Interrupted);
   }
+}
+
+TEST(Simulation, RefusesParamsOfAProgramAsTheReaderOfScenesDoes) {
+  const double nan = std::nan("");
+  const std::vector<std::pair<const char*, std::function<void(SceneParams&)>>> cases = {
+      {"integrator.time_step=0.0", [](SceneParams& p) { p.integrator.time_step = 0.0; }},
+      {"integrator.time_step=-0.01", [](SceneParams& p) { p.integrator.time_step = -0.01; }},
+      {"integrator.time_step=.nan", [=](SceneParams& p) { p.integrator.time_step = nan; }},
+      {"integrator.max_substeps=-1", [](SceneParams& p) { p.integrator.max_substeps = -1; }},
+      {"integrator.type=77", [](SceneParams& p) { p.integrator.type = static_cast<solve::IntegratorType>(77); }},
+      {"material.young_modulus=-1e5", [](SceneParams& p) { p.material.young_modulus = -1e5; }},
+      {"material.density=0.0", [](SceneParams& p) { p.material.density = 0.0; }},
+      {"material.poisson_ratio=0.7", [](SceneParams& p) { p.material.poisson_ratio = 0.7; }},
+      {"material.damping=-5.0", [](SceneParams& p) { p.material.damping = -5.0; }},
+      {"gravity=[0.0, 0.0, 1e9]", [](SceneParams& p) { p.gravity.z() = 1e9; }},
+      {"threads=-3", [](SceneParams& p) { p.threads = -3; }},
+      {"model=none", [](SceneParams& p) { p.model = "none"; }},
+      {"pins.0.box.min.0=0.5", [](SceneParams& p) { p.pins[0].region.min.x() = 0.5; }}};
+  const cloud::PointCloud cloud = sheetCloud(10);
+  for (const auto& [text, change] : cases) {
+    SceneParams params = hangingSheet();
+    Value scene = printParams(params);
+    io::setByPath(scene, text);
+    change(params);
+    std::string said;
+    try {
+      io::readScene(scene);
+    } catch (const InputError& problem) {
+      said = problem.what();
+    }
+    EXPECT_NE(said, "") << text;
+    EXPECT_EQ(problemOf(params, cloud), said);
+    EXPECT_THROW(Simulation::untried(params, cloud), InputError) << text;
+    const SceneParams sound = hangingSheet();
+    EXPECT_THROW(Simulation(params, cloud, simulation::prepareSurface(sound, cloud, simulation::findCoarsest(sound), false)),
+                 InputError)
+        << text;
+  }
+  SceneParams twice = hangingSheet();
+  twice.tools.resize(2);
+  for (tool::ToolParams& tool : twice.tools) {
+    tool.id = "ball";
+    tool.path.resize(1);
+  }
+  EXPECT_EQ(problemOf(twice, cloud), "tools[1].id: found 'ball' a second time; accepted: a name of its own");
 }
 
 TEST(Simulation, CommandsThatAreNotFiniteAreRefusedAndChangeNothing) {

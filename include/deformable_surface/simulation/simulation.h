@@ -59,8 +59,8 @@ class Snapshot {
 
 class Simulation {
  public:
-  /// Builds the surface. Throws InputError naming each problem: fewer than three distinct points, a pin that holds no point, a
-  /// value or mode that is not accepted.
+  /// Builds the surface. Throws InputError naming each problem: a value that a scene file would be refused for, in the same
+  /// words, fewer than three distinct points, a pin that holds no point.
   Simulation(const SceneParams& params, cloud::PointCloud input);
   /// The same from what prepareSurface() made of this cloud and a scene that shares it (prepared_surface.h).
   Simulation(const SceneParams& params, cloud::PointCloud input, RestSurface&& prepared);
@@ -137,7 +137,7 @@ class Simulation {
   /// The same; from then on a frame carries the points rigidly. path: its poses, as of a tool. id: a name for movePin(), not in
   /// use by another pin. Throws InputError for a path that is not accepted.
   Index pinAlong(const std::string& id, const geometry::Region& region, const std::vector<tool::WaypointParams>& path);
-  /// Gives such a pin another path. It continues from where it is.
+  /// Gives such a pin another path. It continues from where it is. Throws InputError where findPinPath() gives null.
   void movePin(const std::string& id, const std::vector<tool::WaypointParams>& path);
   /// The path of a pin of pinAlong(); null if there is none, or all of its points are free again.
   const std::vector<tool::WaypointParams>* findPinPath(const std::string& id) const;
