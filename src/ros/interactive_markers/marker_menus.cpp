@@ -47,6 +47,13 @@ void MarkerServer::makeMenus() {
   const auto add = [](interactive_markers::MenuHandler& menu, const char* title, auto work) {
     menu.insert(title, [work](const Feedback&) { work(); });
   };
+  // RViz shows the marker of a tool that is gone until the next refresh, for which the surface must be there.
+  const auto ofTool = [this](auto work) {
+    return [this, work](const Feedback& feedback) {
+      const auto found = held_.find(feedback->marker_name);
+      if (found != held_.end()) work(found->second);
+    };
+  };
   add(spot_menu_, "Pin here", [this] { pin("pin"); });
   add(spot_menu_, "Unpin here", [this] { pin("unpin"); });
   if (isOfParticles()) {
@@ -65,23 +72,23 @@ void MarkerServer::makeMenus() {
     if (!std::all_of(kinds.begin(), kinds.end(), hasIt)) continue;
     std::string title = info.name;
     title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
-    tool_menu_.insert(mode_menu, title, [this, mode = info.code](const Feedback& feedback) {
-      HeldTool& held = held_.at(feedback->marker_name);
-      held.tool.mode = mode;
+    tool_menu_.insert(mode_menu, title, ofTool([this, mode = info.code](HeldTool& held) {
+                        held.tool.mode = mode;
+                        showTool(held);
+                      }));
+  }
+  hand_menu_.insert("Take hold", ofTool([this](HeldTool& hand) { takeHold(hand); }));
+  hand_menu_.insert("Let go", ofTool([this](HeldTool& hand) { letGo(hand); }));
+  const auto scale = [&](double factor) {
+    return ofTool([this, factor](HeldTool& held) {
+      for (double& size : held.tool.primitive.dimensions) size *= factor;
       showTool(held);
     });
-  }
-  hand_menu_.insert("Take hold", [this](const Feedback& feedback) { takeHold(held_.at(feedback->marker_name)); });
-  hand_menu_.insert("Let go", [this](const Feedback& feedback) { letGo(held_.at(feedback->marker_name)); });
-  const auto scale = [this](const Feedback& feedback, double factor) {
-    HeldTool& held = held_.at(feedback->marker_name);
-    for (double& size : held.tool.primitive.dimensions) size *= factor;
-    showTool(held);
   };
   for (interactive_markers::MenuHandler* menu : {&tool_menu_, &hand_menu_}) {
-    menu->insert("Larger", [scale](const Feedback& feedback) { scale(feedback, kLarger); });
-    menu->insert("Smaller", [scale](const Feedback& feedback) { scale(feedback, 1.0 / kLarger); });
-    menu->insert("Delete", [this](const Feedback& feedback) { removeTool(feedback->marker_name); });
+    menu->insert("Larger", scale(kLarger));
+    menu->insert("Smaller", scale(1.0 / kLarger));
+    menu->insert("Delete", ofTool([this](HeldTool& held) { removeTool(held); }));
   }
 
   const double size = kToolShare * extent_, blade = kBladeShare * extent_;
@@ -137,14 +144,14 @@ void MarkerServer::addTool(std::uint8_t mode, const SolidPrimitive& primitive) {
   showTool(held);
 }
 
-void MarkerServer::removeTool(const std::string& id) {
-  const auto found = held_.find(id);
-  if (found->second.is_warm_hand) {
-    letGo(found->second);
+void MarkerServer::removeTool(HeldTool& held) {
+  if (held.is_warm_hand) {
+    letGo(held);
   } else {
-    send(found->second.tool, Tool::DELETE);
+    send(held.tool, Tool::DELETE);
   }
-  held_.erase(found);
+  const std::string id = held.tool.id;
+  held_.erase(id);
   server_.erase(id);
 }
 

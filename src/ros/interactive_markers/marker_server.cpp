@@ -130,7 +130,7 @@ void MarkerServer::takeWrenches(const ToolWrenchArray& message) {
     }
   }
   if (refused.empty()) return;
-  removeTool(refused);
+  removeTool(held_.at(refused));
   showAnswer("the surface does not take " + refused + "; its log says why", false);
 }
 

@@ -84,7 +84,7 @@ class MarkerServer {
   void dropUnwanted();
   static std::string warmthOf(const std::string& hand) { return hand + "_warmth"; }
   MarkedTool makeWarmth(const HeldTool& hand) const;
-  void removeTool(const std::string& id);
+  void removeTool(HeldTool& held);
   void pin(const char* service);
   void spray();
   void edit(std::uint8_t action, double reach);

@@ -152,6 +152,20 @@ TEST_F(InteractiveMarkersTest, MovesAToolThatOutlastsAReset) {
   EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand_1") == 0 && rviz_.markers.count("hand_1") == 0; }));
 }
 
+TEST_F(InteractiveMarkersTest, TheMenuOfADeletedToolDoesNothingWhileTheSurfaceIsAway) {
+  start(kScene);
+  rviz_.choose("spot", "Ball");
+  ASSERT_TRUE(rviz_.waitForMarker("hand_1")) << markers_->output();
+  process_.reset();
+  // The marker stays as long as there is no surface.
+  for (const char* title : {"Delete", "Delete", "Larger", "Attract"}) rviz_.choose("hand_1", title);
+  process_ = std::make_unique<NodeProcess>("/surface", kScene);
+  ASSERT_TRUE(client_->waitForNode()) << process_->output();
+  ASSERT_TRUE(client_->exchange(makeFlatSheet())) << process_->output();
+  EXPECT_TRUE(waitUntil([&] { return rviz_.markers.count("hand_1") == 0; })) << markers_->output();
+  EXPECT_TRUE(markers_->isRunning()) << markers_->output();
+}
+
 TEST_F(InteractiveMarkersTest, PausesStepsAndResets) {
   start(kScene);
   rviz_.choose("panel", "Pause");
