@@ -5,12 +5,14 @@
 #include "deformable_surface/io/mesh_files.h"
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/ros/convert/find_package.h"
+#include "deformable_surface/ros/convert/tool_commands.h"
 
 #include <urdf/model.h>
 
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 namespace deformable_surface::node {
@@ -24,6 +26,18 @@ std::string toToolId(const std::string& link, std::size_t piece) {
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   if (!std::isalpha(static_cast<unsigned char>(id[0]))) id = "link_" + id;
   return piece == 0 ? id : id + "_" + std::to_string(piece);
+}
+
+// Of two tools with one id the second would never be there, and one without an acceptable id would wait for ever. link_of_id:
+// those before it.
+void requireOwnId(const std::string& id, const std::string& link, std::map<std::string, std::string>& link_of_id) {
+  if (!isToolId(id))
+    throw InputError("robot.links: link " + quote(link) + " becomes the tool " + quote(id) +
+                     "; accepted: names that give ids of up to 64 characters");
+  const auto [before, is_new] = link_of_id.emplace(id, link);
+  if (!is_new)
+    throw InputError("robot.links: links " + quote(before->second) + " and " + quote(link) + " both become the tool " +
+                     quote(id) + "; accepted: each link once, and names that differ in letters or digits");
 }
 
 void setPrimitive(std::uint8_t type, const std::vector<double>& dimensions, Tool& tool) {
@@ -70,6 +84,7 @@ std::vector<Tool> makeRobotTools(const std::string& urdf, const std::vector<tool
   urdf::Model model;
   if (!model.initString(urdf)) throw InputError("robot: found a description that cannot be read; accepted: a URDF");
   std::vector<Tool> tools;
+  std::map<std::string, std::string> link_of_id;
   for (const tool::RobotLinkParams& params : links) {
     const urdf::LinkConstSharedPtr link = model.getLink(params.name);
     if (!link)
@@ -79,6 +94,7 @@ std::vector<Tool> makeRobotTools(const std::string& urdf, const std::vector<tool
       if (!collision || !collision->geometry) continue;
       Tool tool;
       tool.id = toToolId(params.name, piece++);
+      requireOwnId(tool.id, params.name, link_of_id);
       tool.header.frame_id = params.name;
       tool.follow_frame = true;
       tool.friction = params.friction;

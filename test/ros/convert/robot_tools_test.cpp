@@ -111,6 +111,35 @@ TEST_F(RobotToolsTest, WaitForTheirFrameAndThenGoWithIt) {
   EXPECT_EQ(simulation.tools().size(), 2u);
 }
 
+TEST_F(RobotToolsTest, NamesThatMakeNoToolOfTheirOwnAreRefused) {
+  const auto refusal = [](const std::vector<std::string>& names) -> std::string {
+    const std::string piece = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
+    std::string urdf = "<robot name='arm'>";
+    std::vector<tool::RobotLinkParams> links;
+    for (const std::string& name : names) {
+      if (urdf.find("'" + name + "'") == std::string::npos) urdf += "<link name='" + name + "'>" + piece + piece + "</link>";
+      links.push_back({name, 0.0});
+    }
+    for (std::size_t k = 1; k < names.size() && names[k] != names[0]; ++k)
+      urdf += "<joint name='j" + std::to_string(k) + "' type='fixed'><parent link='" + names[0] + "'/><child link='" + names[k] +
+              "'/></joint>";
+    try {
+      makeRobotTools(urdf + "</robot>", links);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal({"left_pad", "right_pad"}), "");
+  EXPECT_NE(refusal({"left-pad", "left_pad"}).find("'left-pad' and 'left_pad' both become the tool 'left_pad'"),
+            std::string::npos)
+      << refusal({"left-pad", "left_pad"});
+  EXPECT_NE(refusal({"pad", "pad.1"}).find("both become the tool 'pad_1'"), std::string::npos);
+  EXPECT_NE(refusal({"pad", "pad"}).find("'pad' and 'pad' both become"), std::string::npos);
+  const std::string longest(64, 'a');  // the id of its second piece is longer
+  EXPECT_NE(refusal({longest}).find("accepted: names that give ids of up to 64 characters"), std::string::npos);
+}
+
 TEST_F(RobotToolsTest, WhatIsNotThereIsRefusedWithItsName) {
   const auto refusal = [](const std::string& urdf, const std::string& link) -> std::string {
     try {
