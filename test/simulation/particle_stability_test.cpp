@@ -49,35 +49,39 @@ int runSoundly(simulation::Simulation& s, int steps) {
   return taken;
 }
 
-void runFrom(const std::function<void(model::State&)>& change) {
+int runFrom(const std::function<void(model::State&)>& change) {
   simulation::Simulation s(patchScene(), patch());
   model::State state = s.state();
   change(state);
   s.setState(state);
-  runSoundly(s, 10);
+  return runSoundly(s, 10);
 }
 
 TEST(ParticleStability, CollapsedParticlesEndFiniteOrAreRefused) {
-  for (const double size : {0.3, 1e-3, 1e-12, 0.0})
-    runFrom([&](model::State& state) {
+  for (const double size : {0.3, 1e-3, 1e-12, 0.0}) {
+    const int taken = runFrom([&](model::State& state) {
       for (Vec3& p : state.positions) p *= size;
     });
+    if (size > 0.1) EXPECT_EQ(taken, 10);
+  }
 }
 
 TEST(ParticleStability, ShuffledParticlesEndFiniteOrAreRefused) {
   // Positions permuted among particles, which is the same surface. Then those of one coordinate only, which is none.
-  runFrom([](model::State& state) {
+  const int same = runFrom([](model::State& state) {
     for (Index i = 0; i < state.size(); ++i) std::swap(state.positions[i], state.positions[(37 * i + 11) % state.size()]);
   });
+  EXPECT_EQ(same, 10);
   runFrom([](model::State& state) {
     for (Index i = 0; i < state.size(); ++i) std::swap(state.positions[i].x(), state.positions[(37 * i + 11) % state.size()].x());
   });
   // Frames.
-  runFrom([](model::State& state) {
+  const int turned = runFrom([](model::State& state) {
     std::mt19937 generator(3);
     for (Quaternion& q : state.orientations)
       q = Quaternion(uniform(generator), uniform(generator), uniform(generator), uniform(generator)).normalized();
   });
+  EXPECT_EQ(turned, 10);
 }
 
 TEST(ParticleStability, DuplicatedParticlesEndFiniteOrAreRefused) {
