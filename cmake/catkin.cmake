@@ -133,7 +133,7 @@ if(CATKIN_ENABLE_TESTING)
   endforeach()
 
   file(GLOB io_tests CONFIGURE_DEPENDS test/io/cloud_filters*_test.cpp test/io/point_files*_test.cpp test/io/load_scene_test.cpp
-       test/io/volume_files_test.cpp
+       test/io/mesh_output_test.cpp test/io/volume_files_test.cpp
        test/scenario/*_test.cpp)
   foreach(source ${io_tests})
     get_filename_component(name ${source} NAME_WE)

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <locale>
 
 namespace deformable_surface::io {
 
@@ -21,6 +22,7 @@ void writeMeshFile(const std::string& file, const Points& positions, const Point
   PendingFile pending(file);
   errno = 0;
   std::ofstream stream(pending.temporary(), std::ios::trunc);
+  stream.imbue(std::locale::classic());
   stream.precision(9);
   for (const Vec3& p : positions) stream << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
   for (const Vec3& n : normals) stream << "vn " << n.x() << ' ' << n.y() << ' ' << n.z() << '\n';

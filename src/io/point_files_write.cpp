@@ -122,6 +122,7 @@ std::string makeHeader(const PointCloud& cloud, const std::vector<ExtraField>& c
   // Inserted points break the rows of an organised cloud.
   const bool keeps_shape = std::uint64_t{cloud.width} * cloud.height == n;
   const Vec3 viewpoint = cloud.viewpoint.value_or(Vec3::Zero());
+  out.precision(std::numeric_limits<double>::max_digits10);
   out << "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS" << names << "\nSIZE" << sizes << "\nTYPE" << types
       << "\nCOUNT" << counts << "\nWIDTH " << (keeps_shape ? cloud.width : n) << "\nHEIGHT " << (keeps_shape ? cloud.height : 1)
       << "\nVIEWPOINT " << viewpoint.x() << " " << viewpoint.y() << " " << viewpoint.z() << " 1 0 0 0\nPOINTS " << n
