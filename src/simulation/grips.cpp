@@ -14,7 +14,8 @@ constexpr char kAnew[] =
     "on a running node a tool that is deleted and added again takes hold anew (a warm hand in RViz: Take hold)";
 
 constexpr Index kLook = 1024;  // points between two checks for an interrupt
-constexpr int kMaxPatch = 127;
+// Numbers of patches: 1 is that of the fixed points. Those of grips come in turn up to the largest char.
+constexpr int kFirstPatch = 2, kLastPatch = 127;
 
 constexpr double kCatchUp = 2.0;    // times the largest speed of the path
 constexpr double kRounding = 1e-9;  // of the coordinates
@@ -193,10 +194,10 @@ void Grips::clamp(std::size_t index, double time, std::vector<model::ClampEdge> 
 
 void Grips::addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>& edges) const {
   const std::size_t num_before = edges.size();
-  int patch = 1;  // that of the fixed points
+  int patch = kLastPatch;
   for (const Grip& grip : grips_) {
     if (grip.points.empty()) continue;
-    patch = patch % kMaxPatch + 1;
+    patch = patch < kLastPatch ? patch + 1 : kFirstPatch;
     for (const Index i : grip.points) patches[i] = static_cast<char>(patch);
     edges.insert(edges.end(), grip.edges.begin(), grip.edges.end());
   }

@@ -171,6 +171,24 @@ TEST(Grips, NarrowOnesClampAsPinsDo) {
   EXPECT_NEAR(findLargest(by_grip), findLargest(by_pin), 1e-3 * findLargest(by_pin));
 }
 
+// More than patches have numbers.
+TEST(Grips, HoweverManyThereAreNoneIsOfThePatchOfTheFixedPoints) {
+  constexpr Index kGrips = 300;
+  model::State state;
+  state.positions.assign(kGrips + 1, Vec3::Zero());
+  simulation::Grips grips;
+  for (Index i = 0; i < kGrips; ++i)
+    grips.addPin("pins[" + std::to_string(i) + "]", {{0.0, Vec3::Zero(), Vec4(0.0, 0.0, 0.0, 1.0)}}, 0.0, {i}, state);
+  std::vector<char> patches(kGrips + 1, 1);
+  std::vector<model::ClampEdge> edges;
+  grips.addPatches(patches, edges);
+  EXPECT_EQ(patches[kGrips], 1);
+  for (Index i = 0; i < kGrips; ++i) {
+    EXPECT_GT(patches[i], 1) << i;
+    EXPECT_NE(patches[i], patches[i + 1]) << i;
+  }
+}
+
 // The caller chooses how far it moves in a step, and what it meets there.
 TEST(Grips, AnEquilibriumFollowsAHandOverAnyDistanceInAnyDirection) {
   for (const double stretching : {20.0, 2000.0})
