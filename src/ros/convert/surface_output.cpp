@@ -10,12 +10,10 @@ cloud::PointCloud makeOutputCloud(const simulation::Surface& surface, const clou
   for (const Eigen::Vector3f& normal : surface.normals) output.normals.push_back(normal.cast<double>());
   output.extra_fields = input.extra_fields;
   for (cloud::ExtraField& field : output.extra_fields) {
-    const std::size_t bytes = cloud::sizeOf(field.type) * field.count;
-    field.bytes.reserve(bytes * output.positions.size());
-    for (const Index source : surface.source) {
-      const std::uint8_t* row = field.bytes.data() + source * bytes;
-      field.bytes.insert(field.bytes.end(), row, row + bytes);
-    }
+    const std::size_t bytes = cloud::sizeOf(field.type) * field.count, before = field.bytes.size();
+    field.bytes.resize(before + bytes * surface.source.size());
+    std::uint8_t* row = field.bytes.data() + before;
+    for (const Index source : surface.source) row = std::copy_n(field.bytes.data() + source * bytes, bytes, row);
   }
   if (!surface.error.empty()) {
     auto& fields = output.extra_fields;
