@@ -1,4 +1,5 @@
 // The elastic solid as a model: masses, energies and forces of its points, and motions that must cause no force.
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "model_checks.h"
 #include "solids.h"
@@ -128,6 +129,20 @@ TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergyAcrossBlocksAndInsideOut) 
       checkForcesAreTheGradient(solid, at, false, 2e-4 * kSpacing);  // rotations change faster in inverted states
       if (law == model::SolidLaw::kCorotated) checkMomentumIsKept(solid, stateAt(at));
     }
+}
+
+TEST(ElasticSolid, ForgetsAnEnergyWhoseSumWasInterrupted) {
+  const Points rest = makeBox(12, 8, 7, kSpacing, 0.2);  // several blocks, between which an interrupt is seen
+  const model::State strained = stateAt(mapAll(rest, someStrain()));
+  const double energy = makeSolid(rest).elasticEnergy(strained);
+  const ElasticSolid solid = makeSolid(rest);
+  EXPECT_LT(solid.elasticEnergy(stateAt(rest)), 1e-3 * energy);
+  {
+    const std::atomic<bool> flag{true};
+    const InterruptScope scope(flag);
+    EXPECT_THROW(solid.elasticEnergy(strained), Interrupted);
+  }
+  EXPECT_EQ(solid.elasticEnergy(strained), energy);
 }
 
 // psi = mu |e|^2 + lambda/2 tr^2 e of a symmetric stretch, times the volume; no stabilisation.

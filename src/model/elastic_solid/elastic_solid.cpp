@@ -245,10 +245,12 @@ void ElasticSolid::addStiffnessProduct(const Points& v, Points& product) const {
 
 double ElasticSolid::elasticEnergy(const State& state) const {
   if (energy_at_ == state.positions) return energy_;
-  energy_at_ = state.positions;
   positions_.assign(state.positions);
-  return energy_ = parallelSum(passes_.size(), kBlock,
-                               [&](Index begin, Index end) { return passes_.sumEnergy(law_, begin, end, positions_.data()); });
+  const double energy = parallelSum(
+      passes_.size(), kBlock, [&](Index begin, Index end) { return passes_.sumEnergy(law_, begin, end, positions_.data()); });
+  // Last: an interrupt of the sum leaves the energy of before with its positions.
+  energy_at_ = state.positions;
+  return energy_ = energy;
 }
 
 void ElasticSolid::confine(Points& forces) const {
