@@ -1,9 +1,11 @@
 // Edits of single particles by a user: their effect, that the surface continues with them, and that a wrong edit changes nothing.
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/simulation/simulation.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -153,6 +155,42 @@ TEST(ParticleEditing, AHoleIsGrownOverByAFit) {
   run(s, 3);
   growth.min_gap = 0.0;
   EXPECT_THROW(s.growSurface(growth), InputError);
+}
+
+TEST(ParticleEditing, AnInterruptedFitChangesNothing) {
+  for (const bool has_begun : {false, true}) {
+    Simulation s = makeSheet();
+    ParticleEdit edit;
+    edit.action = ParticleAction::kDelete;
+    edit.ids = {27};
+    s.editParticles(edit);
+    if (has_begun) run(s, 1);
+    model::GrowthParams growth;
+    growth.max_gap = 3.0;
+    std::atomic<bool> flag{false};
+    const InterruptScope scope(flag);
+    Simulation undisturbed = s.fork();
+    long looks = 0;
+    {
+      const LookCounter counter(flag);
+      undisturbed.growSurface(growth);
+      looks = counter.count();
+    }
+    const std::uint64_t hash = s.stateHash();
+    for (long at = 1; at <= looks; at += std::max(looks / 8, 1L)) {
+      {
+        const LookCounter counter(flag, at);
+        EXPECT_THROW(s.growSurface(growth), Interrupted) << at << " of " << looks;
+      }
+      flag = false;
+      ASSERT_EQ(s.stateHash(), hash) << at << " of " << looks;
+      ASSERT_EQ(s.state().size(), 63) << at << " of " << looks;
+    }
+    s.growSurface(growth);
+    run(s, 1);
+    run(undisturbed, 1);
+    EXPECT_EQ(s.stateHash(), undisturbed.stateHash());
+  }
 }
 
 TEST(ParticleEditing, SpringsHaveNoParticles) {

@@ -187,47 +187,45 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   Points sample_normals;
   for (const Quaternion& q : state.orientations) sample_normals.push_back(q * Vec3::UnitZ());
   const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, spacing, growth, relax, growth_cuts);
-  model_.setCuts(cuts);
 
+  // Made in copies: an interrupt leaves what was there.
   Population changes;
   const std::size_t before = state.positions.size();
-  for (const model::NewParticle& particle : grown.added) append(particle, state);
-  state.positions = grown.positions;
-  state.orientations = grown.orientations;
+  State after = state;
+  for (const model::NewParticle& particle : grown.added) append(particle, after);
+  after.positions = grown.positions;
+  after.orientations = grown.orientations;
   // A separate dynamics for the particles alone, without loads.
   std::vector<char> fixed = held, fixed_turns = held_turns;
   for (std::vector<char>* which : {&fixed, &fixed_turns}) {
-    which->resize(state.positions.size(), 0);
+    which->resize(after.positions.size(), 0);
     if (!lets_go) std::fill_n(which->begin(), before, char{1});
   }
   model::OrientedParticles particles = model_;
-  particles.adopt(state);
-  State trial = state;
-  if (keeps_shape && is_start) {
-    takeSpacingOf(fixed, fixed_turns, particles, trial);
-    model_.setSpacing(particles.lattice().spacing);
-  }
+  particles.setCuts(cuts);
+  particles.adopt(after);
+  State trial = after;
+  if (keeps_shape && is_start) takeSpacingOf(fixed, fixed_turns, particles, trial);
   if (keeps_shape) particles.keepShape(trial);
   if (keeps_shape && growth.noise > 0.0) particles.smoothShape(kSmoothings, trial);
   // Existing particles keep their motion and, except at the start, their rest shape: their bending may come from a load.
-  for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
+  for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = after.traits[i].rest_curvature;
   const double rest_spacing = particles.lattice().spacing, least = kClosest * rest_spacing;
   moveApart(least, fixed, trial);
   const bool remembers = keeps_shape && is_start && !(growth.noise > 0.0);
   if (remembers && lets_go && !growth.chain && before > 0 &&
       !areNoisy(findSampleOffsets(samples, sample_normals, rest_spacing, trial), rest_spacing)) {
     settleOnSamples(samples, sample_normals, fixed, fixed_turns, particles, trial);
-    model_.setSpacing(particles.lattice().spacing);
   } else if (remembers) {
     relaxInShape(particles, fixed, fixed_turns, trial);
   } else {
     relaxParticles(particles, fixed, fixed_turns, kLastIterations, kLastTolerance, trial);
   }
   const Index near_pairs = moveApart(least, fixed, trial);
-  state.positions = trial.positions;
-  state.orientations = trial.orientations;
-  state.traits = trial.traits;
-  changes.born = static_cast<Index>(state.positions.size() - before);
+  after.positions = trial.positions;
+  after.orientations = trial.orientations;
+  after.traits = trial.traits;
+  changes.born = static_cast<Index>(after.positions.size() - before);
   static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",
                                       "until another pass would have gone beyond growth.max_particles"};
   const double widest = growth.max_gap * spacing;
@@ -245,13 +243,16 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
     warn("growth ended at growth.max_passes, " + std::to_string(growth.max_passes) + ": the surface is not complete");
   if (grown.end == model::GrowthEnd::kMaxParticles)
     warn("growth ended at growth.max_particles, " + std::to_string(growth.max_particles) + ": the surface is not complete");
-  if (!growth.chain) warnOfLonely(particles, state, warn);
+  if (!growth.chain) warnOfLonely(particles, after, warn);
   if (is_start) warnOfUnrest(particles, held, trial, warn);
-  if (is_start) warnOfLeftSamples(samples, growth.noise, rest_spacing, keeps_shape, state, warn);
+  if (is_start) warnOfLeftSamples(samples, growth.noise, rest_spacing, keeps_shape, after, warn);
   if (near_pairs > 0)
     changes.notice +=
         "; " + std::to_string(near_pairs) +
         " pairs of held particles are nearer to each other than 0.3 of the spacing, where repulsion hardly parts them";
+  model_.setCuts(cuts);
+  if (keeps_shape && is_start) model_.setSpacing(particles.lattice().spacing);
+  state = std::move(after);
   return changes;
 }
 
