@@ -139,6 +139,22 @@ TEST(ParticleEditing, AWrongEditChangesNothingAndSaysWhatWasFound) {
   }
 }
 
+TEST(ParticleEditing, AnInterruptedEditChangesNothing) {
+  Simulation s = makeSheet();
+  ParticleEdit edit;
+  edit.action = ParticleAction::kMove;
+  edit.ids = {3};
+  edit.positions = {Vec3(0.3, 0.3, 0.5)};
+  const std::uint64_t hash = s.stateHash();
+  std::atomic<bool> flag{true};
+  const InterruptScope scope(flag);
+  EXPECT_THROW(s.editParticles(edit), Interrupted);
+  EXPECT_EQ(s.stateHash(), hash);
+  flag = false;
+  s.editParticles(edit);
+  EXPECT_NE(s.stateHash(), hash);
+}
+
 TEST(ParticleEditing, AHoleIsGrownOverByAFit) {
   Simulation s = makeSheet();
   ParticleEdit edit;

@@ -1,10 +1,12 @@
 // Edits of single particles by a user: checks and effects. particle_life.cpp has the automatic changes.
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/cloud/kd_tree.h"
 #include "particle_life.h"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -14,6 +16,7 @@ using model::State;
 // Nearer than the growing rule ever comes to another particle, repulsion would throw both off.
 constexpr double kClosest = 0.3;  // spacings
 constexpr double kUnitTolerance = 1e-6;
+constexpr std::size_t kLook = 1024;  // particles between two looks at an interrupt
 
 std::string nameOf(Index id) { return "particle " + std::to_string(id); }
 
@@ -38,23 +41,21 @@ std::vector<Index> findPoints(const State& state, const std::vector<Index>& ids)
   return points;
 }
 
-// -1 if there is none.
-Index findNearest(const State& state, const Vec3& position) {
-  Index nearest = -1;
-  double least = std::numeric_limits<double>::infinity();
-  for (Index i = 0; i < state.size(); ++i) {
-    const double squared = (state.positions[i] - position).squaredNorm();
-    if (!(squared < least)) continue;
-    least = squared;
-    nearest = i;
+// Of each position the nearest particle, of equally near ones the first; -1 if there are none.
+std::vector<Index> findNearest(const State& state, const Points& positions) {
+  constexpr double kEqual = 1e-9;  // of the distance: the tree rounds in another way
+  const cloud::KdTree tree(state.positions);
+  std::vector<cloud::Neighbor> near;
+  std::vector<Index> nearest(positions.size(), -1);
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    endIfInterrupted(k, kLook);
+    tree.nearest(positions[k], 1, near);
+    if (near.empty()) break;
+    tree.withinRadius(positions[k], (1.0 + kEqual) * std::sqrt(near.front().squared_distance), near);
+    for (cloud::Neighbor& q : near) q.squared_distance = (state.positions[q.index] - positions[k]).squaredNorm();
+    nearest[k] = std::min_element(near.begin(), near.end())->index;
   }
   return nearest;
-}
-
-// The ancestor of the nearest particle; the first particle's if there is none.
-Index findAncestor(const State& state, const Vec3& position) {
-  const Index nearest = findNearest(state, position);
-  return nearest < 0 ? 0 : state.traits[nearest].ancestor;
 }
 
 }  // namespace
@@ -86,11 +87,12 @@ Population ParticleLife::edit(const ParticleEdit& edit, State& state, std::vecto
 
   State edited = state;
   Population changes;
+  const std::vector<Index> nearest = adds ? findNearest(state, edit.positions) : std::vector<Index>();
   for (std::size_t k = 0; k < count; ++k) {
     if (adds) {
       model::ParticleTraits traits;
       traits.id = edited.next_id++;
-      traits.ancestor = findAncestor(state, edit.positions[k]);
+      traits.ancestor = nearest[k] < 0 ? 0 : state.traits[nearest[k]].ancestor;
       edited.positions.push_back(edit.positions[k]);
       edited.velocities.push_back(Vec3::Zero());
       edited.orientations.push_back(edit.orientations[k]);
@@ -120,7 +122,7 @@ Population ParticleLife::edit(const ParticleEdit& edit, State& state, std::vecto
   if (adds && !model_.cuts().isEmpty()) {
     const Index first = state.size();
     std::vector<model::ParticleCuts::Pair> parents;
-    for (Index i = first; i < edited.size(); ++i) parents.emplace_back(findNearest(state, edited.positions[i]), -1);
+    for (const Index i : nearest) parents.emplace_back(i, -1);
     model_.setCuts(model_.cuts().inherit(edited.positions, edited.traits, first, parents, model_.cutLengths()));
   }
   changes.born = adds ? static_cast<Index>(count) : 0;
@@ -133,14 +135,21 @@ Population ParticleLife::edit(const ParticleEdit& edit, State& state, std::vecto
 // Between those placed and all others.
 void ParticleLife::requireRoom(const State& state, const std::vector<Index>& placed) const {
   const double closest = kClosest * model_.lattice().spacing;
-  for (const Index i : placed)
-    for (Index j = 0; j < state.size(); ++j) {
+  const cloud::KdTree tree(state.positions);
+  std::vector<cloud::Neighbor> near;
+  for (std::size_t k = 0; k < placed.size(); ++k) {
+    endIfInterrupted(k, kLook);
+    const Index i = placed[k];
+    tree.nearest(state.positions[i], 2, near, closest);  // itself and another
+    for (const cloud::Neighbor& q : near) {
+      const Index j = q.index;
       const double distance = (state.positions[i] - state.positions[j]).norm();
       if (j != i && distance < closest)
         throw InputError(nameOf(state.traits[i].id) + ": found it " + formatShort(distance) + " m from " +
                          nameOf(state.traits[j].id) + "; accepted: at least " + formatShort(closest) + " m, " +
                          formatShort(kClosest) + " of the spacing");
     }
+  }
 }
 
 }  // namespace deformable_surface::simulation
