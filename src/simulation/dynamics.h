@@ -129,9 +129,9 @@ class Dynamics {
   double time() const { return static_cast<double>(steps_) * params_.integrator.time_step; }
   std::uint64_t stepCount() const { return steps_; }
   const model::State& state() const { return now_.points; }
-  /// Of all bits of the state, and of cuts that it does not hold.
   /// See Simulation.
   double energyExcess() const { return lastMarch().memory().energy.excess; }
+  /// Of all bits of the state, and of cuts that it does not hold.
   std::uint64_t stateHash() const;
   const std::vector<char>& pinned() const { return now_.pinned; }
   /// Index of the first pin of the scene that holds a point at rest; the number of pins if there is none.
