@@ -91,13 +91,13 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   const double total = std::accumulate(masses_.begin(), masses_.end(), 0.0);
   for (double& mass : masses_) mass *= material.arealDensity() * surface_area / total;
 
-  // Spring stiffness from the triangles at each spring.
   // The edges of few points are ragged and lie within those of the full surface: the missing area counts in bending and
   // stretching as it does in mass.
   const double whole = !closed && ring_area > 0.0 ? surface_area / ring_area : 1.0;
   const double membrane_stiffness = whole * material.young_modulus * material.thickness;
   made_.membrane_stiffness = membrane_stiffness;
   made_.poisson_ratio = material.poisson_ratio;
+  // Spring stiffness from the triangles at each spring.
   const std::vector<Link> stretching = stretchingLinks(rings);
   std::vector<double> k(stretching.size(), 0.0);
   for (const WeightedTriangle& t : triangles_) {
