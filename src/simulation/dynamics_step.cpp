@@ -28,11 +28,8 @@ constexpr Index kStepsPerLook = 5, kIterationsPerLook = 60;
 // Verlet's sub-steps that are sure to take less time than an iteration of an implicit step. It took as much time as 100 to 700 of
 // them with tools in contact, as 38 to 380 on surfaces of 99 to 1000 points without tools, and as 22 to 26 in solids.
 constexpr Index kCheapSubsteps = 20;
-// Pairs that touch, and pairs that may collide where any are stopped, in a sub-step, for each point, on average over
-// kStepsPerLook steps. Towels that are folded, two grippers and a knot had at most 1.8 and steps that took 2 to 3 times those
-// without contact; layers that lie on each other, of 0.05 to 1.5 spacings, 5.4 and 3 to 10 times; a shirt that hangs 8 and 8
-// times. Other twisted strips, crushed tubes, sheets in closing boxes and fast folds had 14 to 40, and steps that took 10 to 40
-// times as long. Seven twisted strips with 1 to 11 and up to 19 times are not told.
+// Pairs that touch, and pairs that may collide where any are stopped, in a sub-step, for each point: the mean over kStepsPerLook
+// steps. docs/contact.md has the scenes on which it was chosen.
 constexpr double kManyPairs = 10.0;
 constexpr Index kDiced = 8;        // points without links that a step with a knife leaves; cuts along an edge leave none
 constexpr int kMostSettling = 20;  // searches for an equilibrium; each leaves about a third of the depth in a stiff surface
