@@ -162,7 +162,7 @@ TEST(ContactLoad, RunsOfPointsThatAreSkippedChangeNothing) {
   EXPECT_GT(num_near, 100u);
 }
 
-// The power was once found from potentials a thousandth of a step before, where points that hardly touch do not touch yet.
+// Potentials of a moment before do not tell the power: points that hardly touch do not touch yet.
 TEST(ContactLoad, KnowsThePowerThatMovesAToolAlsoWherePointsHardlyTouch) {
   model::State state;
   for (const double depth : {1e-6, 3e-6, 1e-5, 1e-4, 1e-2})

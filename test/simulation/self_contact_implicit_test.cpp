@@ -14,8 +14,8 @@ TEST(SelfContactImplicit, ImplicitStepsDoNotCrossEither) {
   EXPECT_GT(seen.touched, 2);
 }
 
-// A sheet that pins press into a larger one, in register and not. Each step used to end far from balance: the damping of springs
-// set in at once, edges were parallel, and what springs did not bear the limit of motion did.
+// A sheet that pins press into a larger one, in register and not: edges are parallel, the damping of springs sets in at once, and
+// springs bear the load, not the limit of motion.
 TEST(SelfContactImplicit, ImplicitStepsBalanceLayersThatArePressedTogether) {
   for (const double offset : {0.0, 0.007}) {
     ContactScene scene;

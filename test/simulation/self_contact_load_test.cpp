@@ -133,8 +133,8 @@ TEST(SelfContactLoad, ATwistedStripAndAHeapDoNotCrossThemselves) {
   }
 }
 
-// A sleeve that is forced through its own end, a strip that is twisted, a tube that plates press flat. Parts that press on each
-// other used to be driven apart: a twentieth to a tenth of the energy stored in strip and tube came from nothing.
+// A sleeve that is forced through its own end, a strip that is twisted, a tube that plates press flat. Contact
+// must not drive parts apart that press on each other.
 TEST(SelfContactLoad, JamsMakeNoEnergy) {
   const auto check = [](ContactScene scene, double friction) {
     scene.params.contact.friction = friction;
