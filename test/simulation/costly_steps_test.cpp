@@ -86,7 +86,7 @@ std::vector<int> findContactTold(simulation::Simulation& s) {
 TEST(CostlySteps, InWhichASurfaceIsCrumpledAreToldOnce) {
   for (const auto& [strength, self, count] : {std::tuple(2000.0, true, 1u), {1.0, true, 0u}, {2000.0, false, 0u}}) {
     simulation::Simulation s = makeCrumpled(strength, self);
-    EXPECT_EQ(findContactTold(s).size(), count) << strength << self;
+    EXPECT_EQ(findContactTold(s).size(), count) << strength << (self ? " N with" : " N without") << " contact";
   }
 }
 

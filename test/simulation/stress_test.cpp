@@ -53,7 +53,7 @@ TEST(Stress, StiffnessOverEightDecades) {
 TEST(Stress, TimeStepsUpToASecond) {
   for (double step : {1.0 / 240.0, 1.0 / 60.0, 0.1, 1.0}) {
     for (IntegratorType type : {IntegratorType::kAuto, IntegratorType::kImplicit}) {
-      SCOPED_TRACE(step);
+      SCOPED_TRACE(std::to_string(step) + " s, integrator " + std::to_string(static_cast<int>(type)));
       simulation::SceneParams p = scene();
       p.integrator.time_step = step;
       p.integrator.type = type;
