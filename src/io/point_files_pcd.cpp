@@ -1,13 +1,13 @@
 // Reading PCD files.
 #include "point_files_read.h"
 
+#include "deformable_surface/base/read_number.h"
 #include "deformable_surface/base/value.h"
 
 #include <pcl/io/lzf.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -66,8 +66,8 @@ void parseRows(const std::string& file, const std::string& body, Table& table) {
       const auto type = static_cast<ScalarType>(field.datatype);
       for (std::uint32_t k = 0; k < field.count; ++k) {
         next += std::strspn(next, " \t\r");
-        char* end = nullptr;
-        const double value = *next == '\n' ? 0.0 : std::strtod(next, &end);
+        const char* end = nullptr;
+        const double value = *next == '\n' ? 0.0 : readNumber(next, &end);
         std::uint8_t* place = &table.data.data[i * table.data.point_step + field.offset + k * cloud::sizeOf(type)];
         if (!end || end == next || !storeScalar(type, value, place)) {
           refuse(file, "row " + std::to_string(i) + " behind the header: found " +

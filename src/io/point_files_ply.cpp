@@ -1,6 +1,7 @@
 // Reading PLY files: the header is checked here for what PCL takes on trust, and PCL parses the rest.
 #include "point_files_read.h"
 
+#include "deformable_surface/base/read_number.h"
 #include "deformable_surface/base/value.h"
 
 #include <pcl/console/print.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <fstream>
@@ -66,8 +66,8 @@ void checkLines(const std::string& file, const Head& head, const std::vector<std
     if (row >= wanted && *next != '\0') refuseLine("as many lines as the header says, " + std::to_string(wanted));
     if (row >= points) continue;
     for (const Property& property : properties) {
-      char* end = nullptr;
-      const double value = std::strtod(next, &end);
+      const char* end = nullptr;
+      const double value = readNumber(next, &end);
       if (end == next) refuseLine(one_each);
       if (!property.canHold(value))
         refuseLine("whole numbers from " + std::to_string(property.least) + " to " + std::to_string(property.most) + " for " +

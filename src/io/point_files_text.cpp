@@ -1,6 +1,7 @@
 // Reading text in which a line is a point: plain numbers, and the vertices of a Wavefront object or of an OFF file.
 #include "point_files_read.h"
 
+#include "deformable_surface/base/read_number.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -47,8 +48,8 @@ class Lines {
   const std::vector<double>& readNumbers(const char* next) {
     row_.clear();
     while (*(next += std::strspn(next, kBlanks)) != '\0' && *next != '#') {
-      char* end = nullptr;
-      row_.push_back(std::strtod(next, &end));
+      const char* end = nullptr;
+      row_.push_back(readNumber(next, &end));
       if (end == next) refuse("found " + quote(next) + "; accepted: numbers with spaces between them");
       next = end;
     }

@@ -1,17 +1,18 @@
 #include "accuracy_memory.h"
 
 #include "deformable_surface/base/hash.h"
+#include "deformable_surface/base/read_number.h"
 #include "deformable_surface/simulation/scene_params.h"
 
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <limits>
+#include <locale>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -38,6 +39,7 @@ std::uint64_t hashText(const std::string& text, std::uint64_t h = kHashBegin) {
 
 std::string toHexadecimal(std::uint64_t h) {
   std::ostringstream text;
+  text.imbue(std::locale::classic());
   text << std::hex << std::setw(16) << std::setfill('0') << h;
   return text.str();
 }
@@ -65,17 +67,13 @@ std::uint64_t identifyBuild() {
 }
 
 // Hexadecimal, so that all bits return.
-void writeNumber(std::ostream& out, double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%a", value);
-  out << text << ' ';
-}
+void writeNumber(std::ostream& out, double value) { out << std::hexfloat << value << ' '; }
 
 bool readNumber(std::istream& in, double& value) {
   std::string text;
   if (!(in >> text)) return false;
-  char* end = nullptr;
-  value = std::strtod(text.c_str(), &end);
+  const char* end = nullptr;
+  value = deformable_surface::readNumber(text.c_str(), &end);
   return *end == '\0';
 }
 
@@ -179,6 +177,7 @@ bool ChoiceMemory::recall(AccuracyChoice& choice) const {
   if (text.size() < kHashLine) return false;
   const std::string body = text.substr(0, text.size() - kHashLine);
   std::istringstream file(body);
+  file.imbue(std::locale::classic());
   AccuracyChoice kept;
   if (text.substr(body.size()) != toHexadecimal(hashText(body)) + "\n" || !read(file, kept)) return false;
   // What is used stays; a folder that cannot be written to is read all the same.
@@ -194,6 +193,7 @@ bool ChoiceMemory::keep(const AccuracyChoice& choice) const {
   std::error_code error;
   fs::create_directories(fs::path(path_).parent_path(), error);
   std::ostringstream body;
+  body.imbue(std::locale::classic());
   write(body, choice);
   std::string beside = path_ + ".XXXXXX";
   const int made = ::mkstemp(beside.data());

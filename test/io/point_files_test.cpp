@@ -2,6 +2,7 @@
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
+#include "support/comma_locale.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -205,6 +206,20 @@ TEST_F(PointFiles, ReadsAsciiPcdWithHolesScaleAndViewpoint) {
   EXPECT_TRUE(std::isnan(cloud.positions[1].x()));
   ASSERT_TRUE(cloud.viewpoint);
   EXPECT_EQ(*cloud.viewpoint, Vec3(0, 0, 0.002));
+}
+
+TEST_F(PointFiles, ReadsNumbersWithAPointInEveryLocale) {
+  const test::CommaLocale locale;
+  if (!locale.isThere()) GTEST_SKIP() << test::CommaLocale::kNone;
+  const std::string rows = "0.5 1.5 2.5\n3.5 4.5 5.5\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  const std::string pcd =
+      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS "
+      "2\nDATA "
+      "ascii\n";
+  for (const std::string& file : {write("a.xyz", rows), write("a.ply", ply + rows), write("a.pcd", pcd + rows)})
+    EXPECT_TRUE(isSame(readPointFile(file, 1.0, kMany).positions, {Vec3(0.5, 1.5, 2.5), Vec3(3.5, 4.5, 5.5)})) << file;
 }
 
 TEST_F(PointFiles, ReadsDoublesInFull) {

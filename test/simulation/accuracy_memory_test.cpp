@@ -3,6 +3,7 @@
 
 #include "deformable_surface/simulation/simulation.h"
 #include "sagging_strip.h"
+#include "support/comma_locale.h"
 
 #include <gtest/gtest.h>
 
@@ -103,6 +104,15 @@ TEST_F(ChoiceMemory, AnEquilibriumIsTakenOverFromItsTrialWithAllBits) {
   EXPECT_GT(tried.statistics().time_forces, 0.0);
   expectTheSame(tried, recalled);
   EXPECT_NE(tried.stateHash(), fork.stateHash());
+}
+
+TEST_F(ChoiceMemory, RecallsInEveryLocaleWhatWasKeptInAnother) {
+  const Simulation first(stiffStrip(), strip());
+  const CommaLocale locale;
+  if (!locale.isThere()) GTEST_SKIP() << CommaLocale::kNone;
+  const Simulation second(stiffStrip(), strip());
+  EXPECT_TRUE(isRecalled(second));
+  EXPECT_EQ(second.accuracyChoice().error, first.accuracyChoice().error);
 }
 
 TEST_F(ChoiceMemory, GivesTheSameChoiceAndTheSameBitsAgain) {
