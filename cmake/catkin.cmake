@@ -133,12 +133,16 @@ if(CATKIN_ENABLE_TESTING)
   endforeach()
 
   file(GLOB io_tests CONFIGURE_DEPENDS test/io/cloud_filters*_test.cpp test/io/point_files*_test.cpp test/io/load_scene_test.cpp
-       test/io/mesh_output_test.cpp test/io/volume_files_test.cpp
+       test/io/mesh_output_test.cpp test/io/volume_files_test.cpp test/io/quiet_pcl_test.cpp
        test/scenario/*_test.cpp)
   foreach(source ${io_tests})
     get_filename_component(name ${source} NAME_WE)
     add_unit_test(${name} deformable_surface_io ${source})
   endforeach()
+  if(TARGET quiet_pcl_test)
+    target_include_directories(quiet_pcl_test SYSTEM PRIVATE ${PCL_INCLUDE_DIRS})
+    target_link_libraries(quiet_pcl_test ${PCL_LIBRARIES})
+  endif()
 
   file(GLOB ros_tests CONFIGURE_DEPENDS test/ros/*/*_test.cpp)
   foreach(source ${ros_tests})

@@ -41,7 +41,7 @@ OUTSIDE = [
     (STANDARD, r".*"),
     (r"Eigen/.*", r".*"),
     (r"yaml-cpp/.*", r"io/.*"),
-    (r"(pcl|boost)/.*", r"io/(point_files|cloud_filters)\w*\..*"),
+    (r"(pcl|boost)/.*", r"io/(point_files|cloud_filters|quiet_pcl)\w*\..*"),
     (r"assimp/.*", r"io/mesh_files\.cpp"),
     (r".*", r"ros/.*"),
 ]

@@ -1,6 +1,5 @@
 #include "cloud_filters_pcl.h"
 
-#include <pcl/console/print.h>
 #include <pcl/filters/radius_outlier_removal.h>
 #include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/point_cloud.h>
@@ -9,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+
+#include "quiet_pcl.h"
 
 namespace deformable_surface::io {
 namespace {
@@ -29,8 +30,6 @@ Vec3 findMiddle(const Points& points) {
 
 /// Every step-th point, relative to the middle: PCL has 24 bits for a coordinate.
 Cloud::Ptr toPcl(const Points& points, const Vec3& middle, std::size_t step) {
-  // PCL would print its messages to the console.
-  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   Cloud::Ptr cloud(new Cloud);
   cloud->reserve(points.size() / step + 1);
   for (std::size_t i = 0; i < points.size(); i += step) {
@@ -44,6 +43,7 @@ Cloud::Ptr toPcl(const Points& points, const Vec3& middle, std::size_t step) {
 
 std::optional<Plane> findLargestPlane(const Points& points, double distance, double min_share) {
   if (points.size() < 3) return std::nullopt;
+  const QuietPcl quiet;
   const Vec3 middle = findMiddle(points);
   // A trial picks three points on the plane with the probability of their share, cubed.
   const double all_on_plane = std::pow(std::min(min_share, kLargeShare), 3);
@@ -71,6 +71,7 @@ std::optional<Plane> findLargestPlane(const Points& points, double distance, dou
 std::vector<char> findOutliers(const Points& points, const simulation::OutlierParams& params) {
   using Method = simulation::OutlierParams::Method;
   if (params.method == Method::kNone || points.size() < 2) return std::vector<char>(points.size(), 0);
+  const QuietPcl quiet;
   const Cloud::Ptr cloud = toPcl(points, findMiddle(points), 1);
   pcl::PointIndices kept;
   if (params.method == Method::kRadius) {

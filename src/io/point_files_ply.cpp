@@ -4,7 +4,6 @@
 #include "deformable_surface/base/read_number.h"
 #include "deformable_surface/base/value.h"
 
-#include <pcl/console/print.h>
 #include <pcl/io/ply_io.h>
 
 #include <algorithm>
@@ -14,6 +13,8 @@
 #include <exception>
 #include <fstream>
 #include <numeric>
+
+#include "quiet_pcl.h"
 
 namespace deformable_surface::io {
 
@@ -145,8 +146,7 @@ std::uint64_t checkPly(const std::string& file, Index max_points) {
 Table readPly(const std::string& file, Index max_points) {
   Table table;
   table.points = checkPly(file, max_points);
-  // PCL writes its complaints to the console; ours are exceptions.
-  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+  const QuietPcl quiet;
   Eigen::Vector4f origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf orientation = Eigen::Quaternionf::Identity();
   int version = 0, failed = 0;
