@@ -16,40 +16,28 @@
 namespace deformable_surface::simulation {
 namespace {
 
+using Moment = ContactLoad::Moment;
 using tool::Entry;
 using tool::Pose;
 using tool::ToolParams;
 
 constexpr double kRounding = 1e-6;  // fraction of a step: possible rounding error of the time of its beginning
-constexpr double kBack = 0.01;      // of the depth of a passed point: a withdrawal that is as good as none
-constexpr int kMaxMoments = 64;
+constexpr double kBack = 0.01;             // of the depth of a passed point: a withdrawal that is as good as none
+constexpr std::size_t kUsualMoments = 64;  // of a step, for which memory is taken at once
 constexpr double kShallow = 0.1;  // of the way to a point that a flat face pushes: below the same face by more is too deep
 constexpr double kFlat = 0.999;   // cosine between normals of a flat face
 constexpr double kEven = 1e-3;    // of that way: by how much the face may be uneven
 constexpr double kAcross = 0.5;   // cosine between the normals of a face and of one beside it
 constexpr double kTurn = 0.2;     // rad between two samples of a turning tool: paths in its frame are then nearly straight
 
-struct Moment {
-  double share;  // fraction of the step
-  Pose pose;
-};
-
-// Poses of a tool at moments of a step between which it moves straight and turns little. A path with too many corners in one step
-// loses the last of them.
-struct Moments {
-  Moment all[kMaxMoments];
-  int count = 0;
-};
-
-Moments listMoments(const ToolParams& tool, double time, double step) {
-  Moments moments;
-  const auto add = [&](double at) {
-    if (moments.count < kMaxMoments) moments.all[moments.count++] = {(at - time) / step, tool::interpolate(tool.path, at)};
-  };
+// Poses of a tool at moments of a step between which it moves straight and turns little.
+void listMoments(const ToolParams& tool, double time, double step, std::vector<Moment>& moments) {
+  moments.clear();
+  moments.reserve(kUsualMoments);
+  const auto add = [&](double at) { moments.push_back({(at - time) / step, tool::interpolate(tool.path, at)}); };
   double from = time;
   const auto goTo = [&](double corner) {
-    const double turn =
-        moments.all[moments.count - 1].pose.orientation.angularDistance(tool::interpolate(tool.path, corner).orientation);
+    const double turn = moments.back().pose.orientation.angularDistance(tool::interpolate(tool.path, corner).orientation);
     const int pieces = 1 + static_cast<int>(turn / kTurn);
     for (int k = 1; k < pieces; ++k) add(from + (corner - from) * k / pieces);
     add(corner);
@@ -59,15 +47,14 @@ Moments listMoments(const ToolParams& tool, double time, double step) {
   for (const tool::WaypointParams& w : tool.path)
     if (w.time > time && w.time < time + step) goTo(w.time);
   goTo(time + step);
-  moments.all[moments.count - 1] = {1.0, tool::interpolate(tool.path, time + step)};
-  return moments;
+  moments.back() = {1.0, tool::interpolate(tool.path, time + step)};
 }
 
 // The first crossing of a point with constant velocity in the world.
-std::optional<Entry> findCrossing(const ToolParams& tool, const Moments& moments, const Vec3& from, const Vec3& to) {
-  Vec3 last = toTool(moments.all[0].pose, from);
-  for (int k = 1; k < moments.count; ++k) {
-    const Vec3 next = toTool(moments.all[k].pose, from + moments.all[k].share * (to - from));
+std::optional<Entry> findCrossing(const ToolParams& tool, const std::vector<Moment>& moments, const Vec3& from, const Vec3& to) {
+  Vec3 last = toTool(moments.front().pose, from);
+  for (std::size_t k = 1; k < moments.size(); ++k) {
+    const Vec3 next = toTool(moments[k].pose, from + moments[k].share * (to - from));
     if (const std::optional<Entry> entry = tool::findCrossing(tool.shape, last, next)) return entry;
     last = next;
   }
@@ -76,11 +63,11 @@ std::optional<Entry> findCrossing(const ToolParams& tool, const Moments& moments
 
 // m, about the tool's place at the beginning: points outside of this ball are not passed over, if none moves farther than
 // `travel` (m). Their paths in the frame of a tool that turns are taken as straight between moments, which brings them nearer.
-double findSweep(const ToolParams& tool, const Moments& moments, double travel) {
+double findSweep(const ToolParams& tool, const std::vector<Moment>& moments, double travel) {
   double way = 0.0, turn = 0.0;
-  for (int k = 1; k < moments.count; ++k) {
-    const Pose &pose = moments.all[k].pose, &before = moments.all[k - 1].pose;
-    way = std::max(way, (pose.position - moments.all[0].pose.position).norm());
+  for (std::size_t k = 1; k < moments.size(); ++k) {
+    const Pose &pose = moments[k].pose, &before = moments[k - 1].pose;
+    way = std::max(way, (pose.position - moments.front().pose.position).norm());
     turn = std::max(turn, before.orientation.angularDistance(pose.orientation));
   }
   if (!(turn < 1.0)) return std::numeric_limits<double>::infinity();
@@ -189,17 +176,17 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
       body.through = {};
       continue;
     }
-    const Moments moments = listMoments(body.tool, time, step);
+    listMoments(body.tool, time, step, moments_);
     const tool::Motion motion = tool::findMotion(body.tool.path, time);
     scratch_.clear();
     scratch_.reserve(state.size());
     are_faces_known_ = false;
     visitNear(
-        moments.all[0].pose.position, findSweep(body.tool, moments, travel), body.passed, [&](Index i, const Passed* passed) {
+        moments_.front().pose.position, findSweep(body.tool, moments_, travel), body.passed, [&](Index i, const Passed* passed) {
           if (held[i]) return;
           if (passed) {
             const Entry& entry = passed->entry;
-            const Vec3 place = toTool(moments.all[0].pose, state.positions[i]);
+            const Vec3 place = toTool(moments_.front().pose, state.positions[i]);
             const geometry::SignedDistance now = geometry::findSignedDistance(body.tool.shape, place);
             const double depth = -entry.heightOf(place);
             const Withdrawal withdrawal = passed->withdrawal.goOn(time, depth, motion.velocityAt(state.positions[i]).norm());
@@ -211,10 +198,10 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
               return;
             }
           }
-          const std::optional<Entry> entry = findCrossing(body.tool, moments, state.positions[i], ahead_.positions[i]);
-          const Vec3 ahead = toTool(moments.all[moments.count - 1].pose, ahead_.positions[i]);
+          const std::optional<Entry> entry = findCrossing(body.tool, moments_, state.positions[i], ahead_.positions[i]);
+          const Vec3 ahead = toTool(moments_.back().pose, ahead_.positions[i]);
           if (entry && !runsBelow(b, time, state, boxes_before_, *entry, ahead))
-            scratch_.push_back(findPassed(i, *entry, body.tool, moments.all[0].pose, state.positions[i], time));
+            scratch_.push_back(findPassed(i, *entry, body.tool, moments_.front().pose, state.positions[i], time));
         });
     body.passed.swap(scratch_);
     any = any || !body.passed.empty();
@@ -237,9 +224,9 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     Body& body = bodies_[b];
     if (!passes(body)) continue;
     const bool had_passed = !body.passed.empty();
-    const Moments moments = listMoments(body.tool, time, step);
-    const Pose &from = moments.all[0].pose, &to = moments.all[moments.count - 1].pose;
-    const double sweep = findSweep(body.tool, moments, travel);
+    listMoments(body.tool, time, step, moments_);
+    const Pose &from = moments_.front().pose, &to = moments_.back().pose;
+    const double sweep = findSweep(body.tool, moments_, travel);
     const bool is_far = body.passed.empty() && body.pressed.empty() && !body.through.isAny();
     if (is_far && !boxes_before_.mayMeet(from.position, sweep)) continue;
     scratch_.clear();
@@ -249,7 +236,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       if (passed) {
         if (!state.hasEscaped(static_cast<Index>(b), i)) scratch_.push_back(*passed);
       } else if (!held[i]) {
-        const std::optional<Entry> entry = findCrossing(body.tool, moments, before_[i], state.positions[i]);
+        const std::optional<Entry> entry = findCrossing(body.tool, moments_, before_[i], state.positions[i]);
         if (entry && !runsBelow(b, time, ahead_, boxes_before_, *entry, toTool(to, state.positions[i])))
           scratch_.push_back(findPassed(i, *entry, body.tool, to, state.positions[i], time + step));
       }

@@ -162,6 +162,34 @@ TEST(ContactLoad, RunsOfPointsThatAreSkippedChangeNothing) {
   EXPECT_GT(num_near, 100u);
 }
 
+// A ball waits, then goes straight over a point or around it, with many waypoints in a step.
+TEST(ContactLoad, EveryCornerOfAPathCountsInAStep) {
+  const std::vector<double> masses(1, 1.0);
+  model::State state;
+  state.positions = {Vec3::Zero()};
+  state.velocities = {Vec3::Zero()};
+  for (const bool goes_over : {false, true}) {
+    constexpr int kCorners = 300;
+    constexpr double kRadius = 0.3, kStep = 0.1;
+    tool::ToolParams tool = ball(0.02, Vec3::Zero(), Vec3::Zero());
+    tool.path.clear();
+    for (int k = 0; k <= kCorners; ++k) {
+      const double share = static_cast<double>(k) / kCorners, angle = M_PI * std::max(0.0, 3.0 * share - 2.0);
+      // Over the point, then back around it; or only around it.
+      Vec3 place = kRadius * Vec3(-std::cos(angle), std::sin(angle), 0.0);
+      if (goes_over) place.x() *= -1.0;
+      if (goes_over && share < 0.5) place = Vec3(-kRadius, 0.0, 0.0);
+      tool.path.push_back({kStep * share, place, Vec4(0.0, 0.0, 0.0, 1.0)});
+    }
+    simulation::ContactLoad load(masses);
+    load.setArriving(false);
+    load.setTools({tool});
+    load.setRate(1000.0);
+    load.beginStep(0.0, kStep, state, {0});
+    EXPECT_EQ(load.all()[0].passed.size(), goes_over ? 1u : 0u);
+  }
+}
+
 // Potentials of a moment before do not tell the power: points that hardly touch do not touch yet.
 TEST(ContactLoad, KnowsThePowerThatMovesAToolAlsoWherePointsHardlyTouch) {
   model::State state;

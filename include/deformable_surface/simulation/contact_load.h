@@ -106,6 +106,11 @@ class ContactLoad : public solve::ExternalLoad {
     tool::Entry entry;
     Withdrawal withdrawal{};
   };
+  /// Of a tool in a step.
+  struct Moment {
+    double share;  // of the step, before it
+    tool::Pose pose;
+  };
   /// How a tool that appears reaches its place.
   struct Arrival {
     bool is_known = false;            // it acts, or has acted
@@ -369,6 +374,7 @@ class ContactLoad : public solve::ExternalLoad {
   mutable geometry::PointBoxes boxes_at_;  // around touched_at_
   mutable std::vector<std::vector<Touch>> touches_;
   std::vector<Passed> scratch_;
+  std::vector<Moment> moments_;  // scratch
   // Scratch of runsBelow(): where the tool pushes points, in its frame.
   bool are_faces_known_ = false;
   std::vector<tool::Entry> faces_;
