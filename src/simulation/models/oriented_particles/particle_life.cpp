@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "../../tool_reach.h"
+#include "../../rest_parts.h"
 #include "particle_guide.h"
 #include "thin_blade.h"
 
@@ -178,8 +179,8 @@ std::vector<model::NewParticle> ParticleLife::join(double time, const std::vecto
   }
   if (!joint || state.positions.size() + joint->tube.size() > static_cast<std::size_t>(params.growth.max_particles)) return {};
   is_gone_ = std::move(joint->is_gone);
-  appendNotice(changes.notice, "two sheets that tools press towards each other are joined at (" + formatShort(joint->middle.x()) +
-                                   ", " + formatShort(joint->middle.y()) + ", " + formatShort(joint->middle.z()) + ") m");
+  appendNotice(changes.notice,
+               "two sheets that tools press towards each other are joined at " + formatPlace(joint->middle) + " m");
   return std::move(joint->tube);
 }
 
