@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel_sort.h"
+#include "deformable_surface/base/value.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +24,7 @@ Vec3 normalizeOrZero(const Vec3& v) {
 CleanCloud clean(const PointCloud& input, double max_coordinate) {
   const Index n = input.size();
   if (!(max_coordinate > 0.0)) {
-    throw InputError("clean: the largest coordinate is " + std::to_string(max_coordinate) + " m; it must be positive");
+    throw InputError("clean: the largest coordinate is " + formatShort(max_coordinate) + " m; it must be positive");
   }
   if (!input.normals.empty() && input.normals.size() != input.positions.size()) {
     throw InputError("clean: " + std::to_string(input.normals.size()) + " normals for " + std::to_string(n) +

@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 #include "k_nearest.h"
 
 #include <algorithm>
@@ -197,13 +198,13 @@ void KdTree::search(const Vec3& query, Results& results) const {
 
 void KdTree::nearest(const Vec3& query, Index k, std::vector<Neighbor>& out, double reach) const {
   if (k < 0) throw InputError("kd-tree: k is " + std::to_string(k) + "; it must be 0 or more");
-  if (!(reach >= 0.0)) throw InputError("kd-tree: the reach is " + std::to_string(reach) + " m; it must be 0 or more");
+  if (!(reach >= 0.0)) throw InputError("kd-tree: the reach is " + formatShort(reach) + " m; it must be 0 or more");
   KNearest results(k, out, reach * reach);
   if (k > 0) search(query, results);
 }
 
 void KdTree::withinRadius(const Vec3& query, double radius, std::vector<Neighbor>& out) const {
-  if (!(radius >= 0.0)) throw InputError("kd-tree: the radius is " + std::to_string(radius) + " m; it must be 0 or more");
+  if (!(radius >= 0.0)) throw InputError("kd-tree: the radius is " + formatShort(radius) + " m; it must be 0 or more");
   InBall results(radius * radius, out);
   search(query, results);
   std::sort(out.begin(), out.end());

@@ -457,8 +457,8 @@ std::string ErrorEstimator::followStep(const Dynamics& level, const solve::Solve
         "error_time is estimated against steps half as long from now on, not against Verlet's, which would need more than "
         "integrator.max_substeps");
   if (!seen_.is_chaotic || was_chaotic) return notice;
-  appendNotice(notice, "error_estimate is no bound: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
-                           " mm apart are " + std::to_string(1e3 * seen_.twin_distance) +
+  appendNotice(notice, "error_estimate is no bound: two runs on fewer points that began " + formatShort(1e3 * disturbance_) +
+                           " mm apart are " + formatShort(1e3 * seen_.twin_distance) +
                            " mm apart, as where a surface buckles or crumples");
   return notice;
 }
@@ -483,9 +483,8 @@ std::string ErrorEstimator::learnSecondSearch(double distance) {
   if (!seen_.has_others) return "";
   seen_.others = distance;
   seen_.may_buckle = true;
-  const std::string end =
-      std::isfinite(distance) ? "ended " + std::to_string(1e3 * distance) + " mm away" : "found no equilibrium";
-  return "error_estimate is no bound until the next reset: a search from positions " + std::to_string(1e3 * searchDisturbance()) +
+  const std::string end = std::isfinite(distance) ? "ended " + formatShort(1e3 * distance) + " mm away" : "found no equilibrium";
+  return "error_estimate is no bound until the next reset: a search from positions " + formatShort(1e3 * searchDisturbance()) +
          " mm away " + end + ", as where a surface has more than one";
 }
 

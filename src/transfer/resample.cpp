@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 
 #include <Eigen/QR>
 
@@ -55,7 +56,7 @@ Resampler::Resampler(const Points& dense, const Points& normals, const cloud::Ri
                        " rings for " + std::to_string(num_dense_) + " points; there must be one of each for every point");
   }
   if (!(max_stretch > 1.0 && std::isfinite(max_stretch))) {
-    problems.push_back("resampler: max_stretch is " + std::to_string(max_stretch) + "; it must be above 1");
+    problems.push_back("resampler: max_stretch is " + formatShort(max_stretch) + "; it must be above 1");
   }
   if (!(max_points >= 0)) {
     problems.push_back("resampler: max_points is " + std::to_string(max_points) + "; it must be 0 or more");

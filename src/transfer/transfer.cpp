@@ -5,6 +5,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <algorithm>
@@ -87,7 +88,7 @@ void check(const Points& dense, const Points& normals, const Points& simulation,
     problems.push_back("transfer: k is " + std::to_string(params.k) + "; it must be 1 to " + std::to_string(kMaxNeighbors));
   }
   if (!(params.gaussian_width >= 0.0 && std::isfinite(params.gaussian_width))) {
-    problems.push_back("transfer: gaussian_width is " + std::to_string(params.gaussian_width) +
+    problems.push_back("transfer: gaussian_width is " + formatShort(params.gaussian_width) +
                        " m; it must be 0 (mean distance of the neighbours) or positive");
   }
   if (followed && followed->size() != static_cast<Index>(dense.size())) {

@@ -110,12 +110,14 @@ TEST(ErrorEstimate, IsNoBoundWhereASurfaceHasOtherEquilibria) {
   const double parts = s.statistics().error_space + s.statistics().error_transfer + s.statistics().error_time;
   EXPECT_TRUE(std::isfinite(s.statistics().error_estimate));
   EXPECT_GT(s.statistics().error_estimate, parts + 0.01 * spacing);
+  const double estimate = s.statistics().error_estimate;
   EXPECT_EQ(s.step().notice, "");
   EXPECT_FALSE(s.statistics().error_bounded);  // until the next reset
   const Points positions = s.state().positions;
   s.restore(flat);
   Simulation fork = s.fork();
-  EXPECT_EQ(s.step().notice, notice);  // all digits of where the second search ended
+  EXPECT_EQ(s.step().notice, notice);
+  EXPECT_EQ(s.statistics().error_estimate, estimate);  // all digits of where the second search ended
   s.reset();
   setNumThreads(3);
   EXPECT_EQ(s.step().notice, notice);
@@ -432,6 +434,7 @@ TEST(ErrorEstimate, OfImplicitStepsIsNoBoundWhereVerletsAreChaotic) {
   for (int k = 0; k < 20; ++k) said += s.step().notice;
   EXPECT_FALSE(s.statistics().error_bounded);
   EXPECT_NE(said.find("error_estimate is no bound: two runs"), std::string::npos) << said;
+  EXPECT_NE(said.find("began 0.0581 mm apart"), std::string::npos) << said;
 }
 
 TEST(ErrorEstimate, SurvivesThatAutoLeavesVerlet) {

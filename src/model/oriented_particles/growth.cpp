@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 #include "local_surface.h"
 
 #include <algorithm>
@@ -44,7 +45,7 @@ void check(std::size_t num_particles, const std::vector<char>& flags, const std:
                      " particles; accepted: one for each, or none");
   }
   if (!(spacing > 0.0 && std::isfinite(spacing))) {
-    throw InputError("found a spacing of " + std::to_string(spacing) + " m; accepted: a length above 0");
+    throw InputError("found a spacing of " + formatShort(spacing) + " m; accepted: a length above 0");
   }
   const std::vector<std::string> problems = checkParams(params);
   if (!problems.empty()) throw InputError(problems);
