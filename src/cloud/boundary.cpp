@@ -122,10 +122,10 @@ class BoundaryFinder {
 
 Boundary findBoundary(const Points& positions, const Points& normals, const Lists& neighbors, Index k) {
   if (positions.size() != normals.size() || static_cast<Index>(positions.size()) != neighbors.size()) {
-    throw InputError("findBoundary: " + std::to_string(positions.size()) + " positions, " + std::to_string(normals.size()) +
-                     " normals and " + std::to_string(neighbors.size()) + " neighbour lists; the three numbers must be equal");
+    throw InputError("findBoundary: found " + std::to_string(positions.size()) + " positions, " + std::to_string(normals.size()) +
+                     " normals and " + std::to_string(neighbors.size()) + " neighbour lists; accepted: equally many");
   }
-  if (k < 1) throw InputError("findBoundary: k is " + std::to_string(k) + "; it must be at least 1");
+  if (k < 1) throw InputError("findBoundary: k: found " + std::to_string(k) + "; accepted: at least 1");
   return BoundaryFinder(positions, normals, neighbors, k).find();
 }
 

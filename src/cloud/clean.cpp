@@ -24,11 +24,11 @@ Vec3 normalizeOrZero(const Vec3& v) {
 CleanCloud clean(const PointCloud& input, double max_coordinate) {
   const Index n = input.size();
   if (!(max_coordinate > 0.0)) {
-    throw InputError("clean: the largest coordinate is " + formatShort(max_coordinate) + " m; it must be positive");
+    throw InputError("clean: largest coordinate: found " + formatShort(max_coordinate) + " m; accepted: above 0");
   }
   if (!input.normals.empty() && input.normals.size() != input.positions.size()) {
-    throw InputError("clean: " + std::to_string(input.normals.size()) + " normals for " + std::to_string(n) +
-                     " points; there must be one for each, or none");
+    throw InputError("clean: found " + std::to_string(input.normals.size()) + " normals for " + std::to_string(n) +
+                     " points; accepted: one for each, or none");
   }
   CleanCloud result;
   result.point_of_input.assign(n, -1);

@@ -2,6 +2,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "trust_radii.h"
 
@@ -101,17 +102,17 @@ GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& si
                                  const OrAuto<double>& geodesic_exponent, double min_gap) {
   const Index n = neighbors.size();
   if (static_cast<Index>(positions.size()) != n || (!sides.normals.empty() && static_cast<Index>(sides.normals.size()) != n)) {
-    throw InputError("buildGeodesicGraph: " + std::to_string(positions.size()) + " positions, " +
+    throw InputError("buildGeodesicGraph: found " + std::to_string(positions.size()) + " positions, " +
                      std::to_string(sides.normals.size()) + " normals and " + std::to_string(n) +
-                     " neighbour lists; the three numbers must be equal, or there must be no normals");
+                     " neighbour lists; accepted: equally many, or no normals");
   }
   if (!sides.at_creases.empty() && sides.at_creases.size() != sides.normals.size()) {
-    throw InputError("buildGeodesicGraph: " + std::to_string(sides.at_creases.size()) + " normals at creases and " +
-                     std::to_string(sides.normals.size()) + " normals; there must be as many, or none at creases");
+    throw InputError("buildGeodesicGraph: found " + std::to_string(sides.at_creases.size()) + " normals at creases and " +
+                     std::to_string(sides.normals.size()) + " normals; accepted: as many, or none at creases");
   }
   if (!geodesic_exponent.is_auto && !(geodesic_exponent.value >= 1.0)) {
-    throw InputError("buildGeodesicGraph: geodesic_exponent is " + std::to_string(geodesic_exponent.value) +
-                     "; it must be at least 1");
+    throw InputError("buildGeodesicGraph: geodesic_exponent: found " + formatShort(geodesic_exponent.value) +
+                     "; accepted: at least 1");
   }
 
   GeodesicGraph graph;

@@ -290,8 +290,9 @@ std::vector<double> findGeodesicDistances(const GeodesicGraph& graph, const Poin
                                           double max_detour) {
   const Index n = graph.links.size();
   if (links.size() != n || static_cast<Index>(positions.size()) != n) {
-    throw InputError("findGeodesicDistances: " + std::to_string(links.size()) + " lists and " + std::to_string(positions.size()) +
-                     " positions on a graph of " + std::to_string(n) + " points; the three numbers must be equal");
+    throw InputError("findGeodesicDistances: found " + std::to_string(links.size()) + " lists and " +
+                     std::to_string(positions.size()) + " positions on a graph of " + std::to_string(n) +
+                     " points; accepted: equally many");
   }
   std::vector<double> distance(links.items.size(), std::numeric_limits<double>::infinity());
   parallelFor(n, kBlock, [&](Index begin, Index end) {
@@ -335,9 +336,8 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
                                         Lists neighbors) {
   const Index n = neighbors.size();
   if (graph.links.size() != n || static_cast<Index>(positions.size()) != n) {
-    throw InputError("keepGeodesicNeighbors: " + std::to_string(n) + " lists and " + std::to_string(positions.size()) +
-                     " positions on a graph of " + std::to_string(graph.links.size()) +
-                     " points; the three numbers must be equal");
+    throw InputError("keepGeodesicNeighbors: found " + std::to_string(n) + " lists and " + std::to_string(positions.size()) +
+                     " positions on a graph of " + std::to_string(graph.links.size()) + " points; accepted: equally many");
   }
   const Apart apart = findApart(graph, positions, sides, neighbors);
   std::vector<char> at_gap = findAtGap(positions, apart.lists, neighbors);

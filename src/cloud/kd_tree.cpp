@@ -197,14 +197,14 @@ void KdTree::search(const Vec3& query, Results& results) const {
 }
 
 void KdTree::nearest(const Vec3& query, Index k, std::vector<Neighbor>& out, double reach) const {
-  if (k < 0) throw InputError("kd-tree: k is " + std::to_string(k) + "; it must be 0 or more");
-  if (!(reach >= 0.0)) throw InputError("kd-tree: the reach is " + formatShort(reach) + " m; it must be 0 or more");
+  if (k < 0) throw InputError("kd-tree: k: found " + std::to_string(k) + "; accepted: 0 or more");
+  if (!(reach >= 0.0)) throw InputError("kd-tree: reach: found " + formatShort(reach) + " m; accepted: 0 or more");
   KNearest results(k, out, reach * reach);
   if (k > 0) search(query, results);
 }
 
 void KdTree::withinRadius(const Vec3& query, double radius, std::vector<Neighbor>& out) const {
-  if (!(radius >= 0.0)) throw InputError("kd-tree: the radius is " + formatShort(radius) + " m; it must be 0 or more");
+  if (!(radius >= 0.0)) throw InputError("kd-tree: radius: found " + formatShort(radius) + " m; accepted: 0 or more");
   InBall results(radius * radius, out);
   search(query, results);
   std::sort(out.begin(), out.end());
@@ -212,7 +212,7 @@ void KdTree::withinRadius(const Vec3& query, double radius, std::vector<Neighbor
 
 void KdTree::remove(Index point) {
   if (point < 0 || point >= size()) {
-    throw InputError("kd-tree: there is no point " + std::to_string(point) + " among " + std::to_string(size()));
+    throw InputError("kd-tree: found point " + std::to_string(point) + "; accepted: 0 to " + std::to_string(size() - 1));
   }
   if (slot_of_[point] == kRemoved) throw InputError("kd-tree: point " + std::to_string(point) + " was removed before");
   // No bound admits a distance that is not a number.

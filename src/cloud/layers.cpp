@@ -30,9 +30,9 @@ constexpr int kRounds = 8;
 
 void checkSizes(const char* function, const Points& positions, const Points& normals, const Lists& neighbors) {
   if (positions.size() == normals.size() && static_cast<Index>(positions.size()) == neighbors.size()) return;
-  throw InputError(std::string(function) + ": " + std::to_string(positions.size()) + " positions, " +
+  throw InputError(std::string(function) + ": found " + std::to_string(positions.size()) + " positions, " +
                    std::to_string(normals.size()) + " normals and " + std::to_string(neighbors.size()) +
-                   " neighbour lists; the three numbers must be equal");
+                   " neighbour lists; accepted: equally many");
 }
 
 double findSpacing(const Points& positions, const Lists& neighbors, Index i) {

@@ -217,7 +217,7 @@ class GroupSearch {
 Lists nearestNeighbors(const Points& points, Index k) { return nearestNeighbors(points, KdTree(points), k); }
 
 Lists nearestNeighbors(const Points& points, const KdTree& tree, Index k) {
-  if (k < 0) throw InputError("nearest neighbours: k is " + std::to_string(k) + "; it must be 0 or more");
+  if (k < 0) throw InputError("nearest neighbours: k: found " + std::to_string(k) + "; accepted: 0 or more");
   const Index n = tree.size();
   const Index count = std::min(k, std::max(n - 1, 0));
   if (static_cast<double>(count) * n > std::numeric_limits<Index>::max()) {

@@ -40,8 +40,8 @@ constexpr double kOnPlane = 0.15;      // sine of the line from the neighbour to
 
 void checkSizes(const char* function, const Points& positions, const Lists& neighbors) {
   if (neighbors.size() == static_cast<Index>(positions.size())) return;
-  throw InputError(std::string(function) + ": " + std::to_string(neighbors.size()) + " lists of neighbours for " +
-                   std::to_string(positions.size()) + " points; there must be one for each");
+  throw InputError(std::string(function) + ": found " + std::to_string(neighbors.size()) + " lists of neighbours for " +
+                   std::to_string(positions.size()) + " points; accepted: one for each");
 }
 
 struct Link {
@@ -234,8 +234,9 @@ Points estimateNormals(const Points& positions, const Lists& neighbors) {
 void estimateNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_marked, Points& normals) {
   checkSizes("estimateNormals", positions, neighbors);
   if (is_marked.size() != positions.size() || normals.size() != positions.size())
-    throw InputError("estimateNormals: " + std::to_string(is_marked.size()) + " marks and " + std::to_string(normals.size()) +
-                     " normals for " + std::to_string(positions.size()) + " points; there must be one of each for every point");
+    throw InputError("estimateNormals: found " + std::to_string(is_marked.size()) + " marks and " +
+                     std::to_string(normals.size()) + " normals for " + std::to_string(positions.size()) +
+                     " points; accepted: one of each for every point");
   parallelFor(static_cast<Index>(positions.size()), kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i)
       if (is_marked[i]) normals[i] = fitPlane(positions, i, neighbors.begin(i), neighbors.end(i)).normal;
@@ -344,10 +345,10 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
   checkSizes("orientNormals", positions, neighbors);
   if (is_boundary.size() != positions.size() || normals.size() != positions.size() ||
       (!reference_normals.empty() && reference_normals.size() != positions.size())) {
-    throw InputError("orientNormals: " + std::to_string(n) + " points with " + std::to_string(is_boundary.size()) +
+    throw InputError("orientNormals: found " + std::to_string(n) + " points with " + std::to_string(is_boundary.size()) +
                      " boundary marks, " + std::to_string(normals.size()) + " normals and " +
                      std::to_string(reference_normals.size()) +
-                     " reference normals; there must be one of each for every point, or no reference normals at all");
+                     " reference normals; accepted: one of each for every point, or no reference normals");
   }
 
   SignedSets sets(n);

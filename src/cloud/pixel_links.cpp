@@ -89,8 +89,8 @@ std::vector<Index> PixelLinks::findPoints(const std::vector<Index>& point_of_inp
 Lists findNeighbors(const PixelLinks& image, const std::vector<Index>& point, const Points& positions, Index k, double min_gap) {
   const Index n = static_cast<Index>(positions.size()), num_pixels = image.width * image.height;
   if (static_cast<Index>(image.links.size()) != num_pixels || point.size() != image.links.size())
-    throw InputError("findNeighbors: " + std::to_string(image.links.size()) + " links and " + std::to_string(point.size()) +
-                     " points for " + std::to_string(num_pixels) + " pixels; the three numbers must be equal");
+    throw InputError("findNeighbors: found " + std::to_string(image.links.size()) + " links and " + std::to_string(point.size()) +
+                     " points for " + std::to_string(num_pixels) + " pixels; accepted: equally many");
   // Of pixels that share a point, only the first counts.
   std::vector<Index> own(num_pixels, -1), pixel(n, -1);
   for (Index p = 0; p < num_pixels; ++p) {

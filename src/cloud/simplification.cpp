@@ -132,18 +132,18 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
   const Index n = static_cast<Index>(positions.size());
   std::vector<std::string> problems;
   if (positions.size() != normals.size()) {
-    problems.push_back("simplify: " + std::to_string(n) + " positions and " + std::to_string(normals.size()) +
-                       " normals; the two numbers must be equal");
+    problems.push_back("simplify: found " + std::to_string(n) + " positions and " + std::to_string(normals.size()) +
+                       " normals; accepted: equally many");
   }
-  if (k < 3) problems.push_back("simplify: k is " + std::to_string(k) + "; it must be at least 3");
-  if (min_points < 0) problems.push_back("simplify: min_points is " + std::to_string(min_points) + "; it must be at least 0");
+  if (k < 3) problems.push_back("simplify: k: found " + std::to_string(k) + "; accepted: at least 3");
+  if (min_points < 0) problems.push_back("simplify: min_points: found " + std::to_string(min_points) + "; accepted: at least 0");
   for (Index i : protected_points) {
     if (i >= 0 && i < n) continue;
-    problems.push_back("simplify: protected point " + std::to_string(i) + "; indices go from 0 to " + std::to_string(n - 1));
+    problems.push_back("simplify: found the protected point " + std::to_string(i) + "; accepted: 0 to " + std::to_string(n - 1));
     break;
   }
   if (!wanted.empty() && wanted.size() != positions.size()) {
-    problems.push_back("simplify: " + std::to_string(n) + " positions and " + std::to_string(wanted.size()) +
+    problems.push_back("simplify: found " + std::to_string(n) + " positions and " + std::to_string(wanted.size()) +
                        " spacings wanted; accepted: as many, or none");
   }
   const auto isSpacing = [](double spacing) { return spacing > 0.0 && std::isfinite(spacing); };

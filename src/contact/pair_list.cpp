@@ -76,7 +76,7 @@ PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double t
       boxes_(boundAll(patches_, rest_)),
       tree_(boxes_),
       parts_(patches_.size()) {
-  if (!(thickness > 0.0)) throw InputError("contact: the thickness is " + formatShort(thickness) + " m; accepted: above 0");
+  if (!(thickness > 0.0)) throw InputError("contact: thickness: found " + formatShort(thickness) + " m; accepted: above 0");
   std::vector<double> lengths;
   for (const auto& [a, b] : edges_) lengths.push_back((rest_[a] - rest_[b]).norm());
   median_edge_ = lengths.empty() ? 0.0 : findMedian(std::move(lengths));

@@ -52,14 +52,14 @@ Resampler::Resampler(const Points& dense, const Points& normals, const cloud::Ri
   const Lists& ring = dense_rings.ring;
   std::vector<std::string> problems;
   if (normals.size() != dense.size() || ring.size() != num_dense_) {
-    problems.push_back("resampler: " + std::to_string(normals.size()) + " normals and " + std::to_string(ring.size()) +
-                       " rings for " + std::to_string(num_dense_) + " points; there must be one of each for every point");
+    problems.push_back("resampler: found " + std::to_string(normals.size()) + " normals and " + std::to_string(ring.size()) +
+                       " rings for " + std::to_string(num_dense_) + " points; accepted: one of each for every point");
   }
   if (!(max_stretch > 1.0 && std::isfinite(max_stretch))) {
-    problems.push_back("resampler: max_stretch is " + formatShort(max_stretch) + "; it must be above 1");
+    problems.push_back("resampler: max_stretch: found " + formatShort(max_stretch) + "; accepted: above 1");
   }
   if (!(max_points >= 0)) {
-    problems.push_back("resampler: max_points is " + std::to_string(max_points) + "; it must be 0 or more");
+    problems.push_back("resampler: max_points: found " + std::to_string(max_points) + "; accepted: 0 or more");
   }
   if (!problems.empty()) throw InputError(problems);
 
@@ -77,8 +77,8 @@ Resampler::Resampler(const Points& dense, const Points& normals, const cloud::Ri
 Index Resampler::update(const Points& dense_now) {
   const std::size_t num_points = static_cast<std::size_t>(num_dense_) + inserted_rest_.size();
   if (dense_now.size() != num_points) {
-    throw InputError("resampler: " + std::to_string(dense_now.size()) + " deformed positions for " + std::to_string(num_points) +
-                     " points; there must be one for each, the inserted ones included");
+    throw InputError("resampler: found " + std::to_string(dense_now.size()) + " deformed positions for " +
+                     std::to_string(num_points) + " points; accepted: one for each, the inserted ones included");
   }
   if (static_cast<Index>(inserted_rest_.size()) >= max_points_) return 0;
 

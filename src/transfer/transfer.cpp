@@ -77,23 +77,23 @@ void check(const Points& dense, const Points& normals, const Points& simulation,
            const TransferParams& params, const Lists* followed) {
   std::vector<std::string> problems;
   if (normals.size() != dense.size()) {
-    problems.push_back("transfer: " + std::to_string(normals.size()) + " normals for " + std::to_string(dense.size()) +
-                       " dense points; there must be one for each");
+    problems.push_back("transfer: found " + std::to_string(normals.size()) + " normals for " + std::to_string(dense.size()) +
+                       " dense points; accepted: one for each");
   }
   if (usable.size() != simulation.size()) {
-    problems.push_back("transfer: " + std::to_string(usable.size()) + " usable marks for " + std::to_string(simulation.size()) +
-                       " simulation points; there must be one for each");
+    problems.push_back("transfer: found " + std::to_string(usable.size()) + " usable marks for " +
+                       std::to_string(simulation.size()) + " simulation points; accepted: one for each");
   }
   if (!(params.k >= 1 && params.k <= kMaxNeighbors)) {
-    problems.push_back("transfer: k is " + std::to_string(params.k) + "; it must be 1 to " + std::to_string(kMaxNeighbors));
+    problems.push_back("transfer: k: found " + std::to_string(params.k) + "; accepted: 1 to " + std::to_string(kMaxNeighbors));
   }
   if (!(params.gaussian_width >= 0.0 && std::isfinite(params.gaussian_width))) {
-    problems.push_back("transfer: gaussian_width is " + formatShort(params.gaussian_width) +
-                       " m; it must be 0 (mean distance of the neighbours) or positive");
+    problems.push_back("transfer: gaussian_width: found " + formatShort(params.gaussian_width) +
+                       " m; accepted: 0 (mean distance of the neighbours) or above");
   }
   if (followed && followed->size() != static_cast<Index>(dense.size())) {
-    problems.push_back("transfer: " + std::to_string(followed->size()) + " lists of followed points for " +
-                       std::to_string(dense.size()) + " dense points; there must be one for each");
+    problems.push_back("transfer: found " + std::to_string(followed->size()) + " lists of followed points for " +
+                       std::to_string(dense.size()) + " dense points; accepted: one for each");
   }
   if (!problems.empty()) throw InputError(problems);
   const Index n = static_cast<Index>(dense.size());
@@ -346,8 +346,8 @@ bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, con
 // displacement changes, and the rounding error is within a factor of two of the least possible.
 void Transfer::findDisplacements(const Points& simulation_now, Vec3& reference, std::vector<float>& displacements) const {
   if (simulation_now.size() != simulation_rest_.size()) {
-    throw InputError("transfer: " + std::to_string(simulation_now.size()) + " positions for " +
-                     std::to_string(simulation_rest_.size()) + " simulation points; there must be one for each");
+    throw InputError("transfer: found " + std::to_string(simulation_now.size()) + " positions for " +
+                     std::to_string(simulation_rest_.size()) + " simulation points; accepted: one for each");
   }
   const std::size_t m = simulation_now.size();
   if (displacements.size() < 4 * std::max<std::size_t>(m, 1)) displacements.resize(4 * std::max<std::size_t>(m, 1));
