@@ -49,14 +49,7 @@ void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index
   // If a force acts on other points as well, each point here keeps its share.
   std::vector<NamedForces::Named> shared = whole.forces.all();
   for (NamedForces::Named& force : shared) {
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < force.points.size(); ++k) {
-      if (new_index[force.points[k]] < 0) continue;
-      force.points[kept] = new_index[force.points[k]];
-      force.shares[kept++] = force.shares[k];
-    }
-    force.points.resize(kept);
-    force.shares.resize(kept);
+    NamedForces::renumber(new_index, force);
     force.carriers.reset();  // they are the whole's: it tells which points they act on
   }
   forces.restore(shared);

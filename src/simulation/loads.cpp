@@ -158,17 +158,20 @@ void AnchorLoad::renumber(const std::vector<Index>& new_index) {
 }
 
 void NamedForces::renumber(const std::vector<Index>& new_index) {
+void NamedForces::renumber(const std::vector<Index>& new_index, Named& force) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < force.points.size(); ++k) {
+    if (new_index[force.points[k]] < 0) continue;
+    force.points[kept] = new_index[force.points[k]];
+    force.shares[kept++] = force.shares[k];
+  }
+  force.points.resize(kept);
+  force.shares.resize(kept);
+}
+
   for (Named& force : forces_) {
-    std::size_t kept = 0;
-    double sum = 0.0;
-    for (std::size_t k = 0; k < force.points.size(); ++k) {
-      if (new_index[force.points[k]] < 0) continue;
-      sum += force.shares[k];
-      force.points[kept] = new_index[force.points[k]];
-      force.shares[kept++] = force.shares[k];
-    }
-    force.points.resize(kept);
-    force.shares.resize(kept);
+    renumber(new_index, force);
+    const double sum = std::accumulate(force.shares.begin(), force.shares.end(), 0.0);
     for (double& share : force.shares) share /= sum;
   }
 }
