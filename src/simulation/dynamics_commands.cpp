@@ -2,6 +2,7 @@
 // checked before (command_checks.h).
 #include "dynamics.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/random.h"
 
 #include <algorithm>
@@ -246,7 +247,7 @@ Changes Dynamics::perform(const command::GrowSurface& c) {
                                                    is_start ? now_.pinned_turns : held_turns_, is_start, now_.points);
   followPopulation(grown);
   changes.notice = grown.notice;
-  if (!grown.warning.empty()) changes.notice += "; " + grown.warning;
+  appendNotice(changes.notice, grown.warning);
   adopt(*model_, now_.points);  // the particles of before may have moved
   changes.motion = changes.everywhere = changes.moved = true;
   return changes;

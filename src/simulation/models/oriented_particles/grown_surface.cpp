@@ -4,6 +4,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/median.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
@@ -234,7 +235,7 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
       num_alone > 0 ? "until all gaps that were left were wider than growth.max_gap" : kEnds[static_cast<int>(grown.end)];
   changes.notice = "a surface is grown: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) +
                    " in " + std::to_string(grown.passes) + " passes, " + end;
-  const auto warn = [&](const std::string& sentence) { changes.warning += (changes.warning.empty() ? "" : "; ") + sentence; };
+  const auto warn = [&](const std::string& sentence) { appendNotice(changes.warning, sentence); };
   if (num_alone > 0)
     warn(std::to_string(num_alone) + " of " + std::to_string(before) +
          " samples are farther from all others than growth.max_gap, " + formatShort(growth.max_gap) + " spacings (" +
@@ -247,9 +248,8 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   if (is_start) warnOfUnrest(particles, held, trial, warn);
   if (is_start) warnOfLeftSamples(samples, growth.noise, rest_spacing, keeps_shape, after, warn);
   if (near_pairs > 0)
-    changes.notice +=
-        "; " + std::to_string(near_pairs) +
-        " pairs of held particles are nearer to each other than 0.3 of the spacing, where repulsion hardly parts them";
+    appendNotice(changes.notice, std::to_string(near_pairs) + " pairs of held particles are nearer to each other than " +
+                                     formatShort(kClosest) + " of the spacing, where repulsion hardly parts them");
   model_.setCuts(cuts);
   if (keeps_shape && is_start) model_.setSpacing(particles.lattice().spacing);
   state = std::move(after);

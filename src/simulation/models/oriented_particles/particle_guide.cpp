@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
@@ -82,13 +83,13 @@ void ParticleLife::reportArrival(const model::State& state, Population& changes)
   if (!has_arrived_) return;
   model_.refreshDisplay(state);
   const model::ParticleTopology found = model::measureTopology(state.size(), model_.triangles());
-  changes.notice += (changes.notice.empty() ? "" : "; ") +
-                    (is_near ? std::string("the surface has come to the iso-surface: ")
-                             : std::string("the surface hardly moves, and not all of it is at the iso-surface: ")) +
-                    std::to_string(state.size()) + " particles, " + formatShort(std::sqrt(squares / state.size())) +
-                    " spacings from it (rms), " + formatShort(largest) + " at most; components " +
-                    std::to_string(found.components) + ", boundary loops " + std::to_string(found.boundary_loops) +
-                    ", Euler characteristic " + std::to_string(found.euler_characteristic);
+  appendNotice(changes.notice, (is_near ? std::string("the surface has come to the iso-surface: ")
+                                        : std::string("the surface hardly moves, and not all of it is at the iso-surface: ")) +
+                                   std::to_string(state.size()) + " particles, " +
+                                   formatShort(std::sqrt(squares / state.size())) + " spacings from it (rms), " +
+                                   formatShort(largest) + " at most; components " + std::to_string(found.components) +
+                                   ", boundary loops " + std::to_string(found.boundary_loops) + ", Euler characteristic " +
+                                   std::to_string(found.euler_characteristic));
 }
 
 }  // namespace deformable_surface::simulation

@@ -206,8 +206,7 @@ Population ParticleLife::begin(const std::vector<char>& pinned, const std::vecto
   if (is_guided) requireSeed(params.guide, state);
   Population begun = params.grow_surface ? growSurface(params.growth, pinned, pinned_turns, true, state) : Population();
   if (is_guided && reachesBorder(params.guide))
-    begun.notice += std::string(begun.notice.empty() ? "" : "; ") +
-                    "the iso-surface of oriented_particles.guide reaches the border of its volume, which closes it";
+    appendNotice(begun.notice, "the iso-surface of oriented_particles.guide reaches the border of its volume, which closes it");
   return begun;
 }
 
@@ -232,10 +231,9 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
     const double bonds = model_.meanBonds(state), in_lattice = model_.latticeBonds();
     has_reported_heap_ = bonds > kHeap * in_lattice;
     if (has_reported_heap_)
-      change.population.notice +=
-          (change.population.notice.empty() ? "" : "; ") +
-          ("particles pile up: found " + formatShort(bonds) + " bonds each (mean), a flat surface has " +
-           formatShort(in_lattice) + "; a step costs accordingly (material.bending_rigidity keeps a surface flat)");
+      appendNotice(change.population.notice, "particles pile up: found " + formatShort(bonds) +
+                                                 " bonds each (mean), a flat surface has " + formatShort(in_lattice) +
+                                                 "; a step costs accordingly (material.bending_rigidity keeps a surface flat)");
   }
   return change;
 }
