@@ -20,6 +20,13 @@ void clear(Index n, Points& values) {
   if (n > 0) std::fill_n(values[0].data(), 3 * n, 0.0);
 }
 
+void setZeroWhere(const std::vector<char>& marks, Points& values) {
+  parallelFor(static_cast<Index>(values.size()), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      if (marks[i]) values[i].setZero();
+  });
+}
+
 }  // namespace
 
 // Each evaluation begins with a check of the thread's interrupt: the work of a solver between two of them is short.
@@ -60,8 +67,7 @@ void System::computeElasticForcesAndTorques(const State& state, Points& forces, 
 }
 
 void System::holdTurns(Points& torques) const {
-  for (std::size_t i = 0; held_turns_ && i < torques.size(); ++i)
-    if ((*held_turns_)[i] != 0) torques[i].setZero();
+  if (held_turns_) setZeroWhere(*held_turns_, torques);
 }
 
 void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
@@ -112,10 +118,7 @@ void System::addSplitLoadsAtRest(double time, const State& state, Points& forces
 
 void System::addLoads(double time, const State& state, Points& forces) const {
   addLoadsOnAll(time, state, forces);
-  parallelFor(static_cast<Index>(forces.size()), kBlock, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i)
-      if (held_[i]) forces[i].setZero();
-  });
+  setZeroWhere(held_, forces);
 }
 
 void System::computeConservativeForces(double time, const State& state, Points& forces) const {
@@ -127,8 +130,7 @@ void System::computeConservativeForces(double time, const State& state, Points& 
   for (const ExternalLoad* load : loads_)
     if (load->isConservative()) load->addForces(time, at_rest_, forces);
   confine(forces);
-  for (std::size_t i = 0; i < forces.size(); ++i)
-    if (held_[i]) forces[i].setZero();
+  setZeroWhere(held_, forces);
 }
 
 double System::loadPotential(double time, const State& state) const {
@@ -254,8 +256,7 @@ void System::computeSkewProduct(double time, const State& state, const Points& v
   clear(state.size(), product);
   for (const ExternalLoad* load : loads_) load->addSkewProduct(time, state, v, product);
   confine(product);
-  for (std::size_t i = 0; i < product.size(); ++i)
-    if (held_[i]) product[i].setZero();
+  setZeroWhere(held_, product);
 }
 
 void System::addFastStiffness(const State& state, BlockSparse& stiffness) const {
@@ -268,16 +269,13 @@ void System::computeStiffnessProduct(const Points& v, Points& product) const {
   product.assign(v.size(), Vec3::Zero());
   model_.stiffnessProducts()->addStiffnessProduct(v, product);
   confine(product);
-  for (std::size_t i = 0; i < product.size(); ++i)
-    if (held_[i]) product[i].setZero();
+  setZeroWhere(held_, product);
 }
 
 double System::rankOneStiffness(const State& state, Points& v) const {
   const model::StiffnessMatrix* matrix = model_.stiffnessMatrix();
   const double coefficient = matrix ? matrix->rankOneStiffness(state, v) : 0.0;
-  if (coefficient > 0.0)
-    for (std::size_t i = 0; i < v.size(); ++i)
-      if (held_[i]) v[i].setZero();
+  if (coefficient > 0.0) setZeroWhere(held_, v);
   return coefficient;
 }
 
@@ -298,8 +296,7 @@ double System::computeForcesAndLargest(double time, const State& state, Points& 
     }
   }
   confine(forces);
-  for (std::size_t i = 0; i < forces.size(); ++i)
-    if (held_[i]) forces[i].setZero();
+  setZeroWhere(held_, forces);
   return std::sqrt(squared);
 }
 
