@@ -52,7 +52,7 @@ constexpr Index kFewPoints = 1024;  // of a copy: its loops have four blocks at 
 constexpr double kCostly = 2.0, kTooCostly = 10.0, kFreeWork = 2e6;
 // Of newtonWork(): what an iteration took beside sub-steps of Verlet, on a skirt that falls on a plane and on two planar bars.
 constexpr double kNewtonShare = 0.2;
-// Verlet's sub-steps of the copies are never too many if those of the simulation were not.
+// Verlet's sub-steps of the copies are never too many if those of the simulation were not: the largest max_substeps.
 constexpr Index kAnyNumber = 1000000000;
 
 // In points times sub-steps of Verlet.

@@ -15,10 +15,11 @@ namespace {
 // Of the stable step, which holds for small motions only: with longer steps crumpling sheets gain energy, as measured in
 // docs/decisions/0001-explicit-first.md.
 constexpr double kSafety = 0.5;
-constexpr Index kBlock = 3072;     // coordinates per task: some microseconds of work
-constexpr double kJammed = 0.05;   // share of the points that are stopped: more in a jam, fewer where a towel is folded
-constexpr Index kPoints = 1024;    // points per task: the same coordinates
-constexpr double kSlowCost = 3.0;  // of a pass over the slow forces, in passes over the others: curvature beside triangles
+constexpr double kMostSubsteps = 2e9;  // fits into an Index
+constexpr Index kBlock = 3072;         // coordinates per task: some microseconds of work
+constexpr double kJammed = 0.05;       // share of the points that are stopped: more in a jam, fewer where a towel is folded
+constexpr Index kPoints = 1024;        // points per task: the same coordinates
+constexpr double kSlowCost = 3.0;      // of a pass over the slow forces, in passes over the others: curvature beside triangles
 
 bool allFinite(const State& state) {
   // A sum is finite only if every term is, up to overflow. Such a state is not sound either.
@@ -39,7 +40,7 @@ void stopShort(const MotionLimit& limit, const System& system, const Points& bef
 
 Index countSubsteps(double step, double max_substep) {
   const double wanted = std::ceil(step / (kSafety * max_substep));
-  if (!(wanted < 2e9)) return 2000000000;
+  if (!(wanted < kMostSubsteps)) return static_cast<Index>(kMostSubsteps);
   return wanted < 1.0 ? 1 : static_cast<Index>(wanted);
 }
 

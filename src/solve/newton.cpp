@@ -7,12 +7,13 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr double kArmijo = 1e-4;      // share of the predicted decrease that must be reached
-constexpr int kMaxHalvings = 30;      // beyond it the direction is rounding
-constexpr int kPatience = 2;          // projected matrices in a row after which the state is taken to be near a saddle
-constexpr double kFirstShift = 1e-4;  // of the highest frequency squared: small beside it, large beside buckling modes
-constexpr double kRaise = 10.0;       // of a shift that was not enough
-constexpr double kLower = 0.25;       // of one that was: the least one that does leads fastest out of a saddle
+constexpr double kArmijo = 1e-4;           // share of the predicted decrease that must be reached
+constexpr int kMaxHalvings = 30;           // beyond it the direction is rounding
+constexpr double kEnergyRounding = 1e-14;  // of an energy: some tens of units in the last place
+constexpr int kPatience = 2;               // projected matrices in a row after which the state is taken to be near a saddle
+constexpr double kFirstShift = 1e-4;       // of the highest frequency squared: small beside it, large beside buckling modes
+constexpr double kRaise = 10.0;            // of a shift that was not enough
+constexpr double kLower = 0.25;            // of one that was: the least one that does leads fastest out of a saddle
 // Of the gradient: largest residual of a direction by products; the next iteration finds the rest.
 constexpr double kLoosest = 0.05;
 constexpr double kForcing = 0.9;          // times the square of the gradient's fall: residual of the next direction
@@ -297,7 +298,7 @@ void NewtonDescent::moveByParts(const Problem& problem, State& state, Step& take
 NewtonDescent::Step NewtonDescent::search(const Problem& problem, double slope, bool tentative, State& state) {
   start_ = state.positions;
   const double before = merit(problem, state);
-  const double rounding = 1e-14 * std::abs(before);
+  const double rounding = kEnergyRounding * std::abs(before);
   double fraction = 1.0;
   for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
     for (Index i = 0; i < state.size(); ++i)

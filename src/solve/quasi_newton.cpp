@@ -9,10 +9,11 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr Index kMemory = 12;  // pairs: 20 save three iterations of 27, 4 cost one more, and each pair takes time
-constexpr Index kMost = 120;   // iterations: more cost as much as Newton's method
-constexpr Index kTrial = 30;   // iterations in each of which the largest force
-constexpr double kFall = 0.2;  // has to fall to this share of itself: where all is well it does so in ten
+constexpr Index kMemory = 12;              // pairs: 20 save three iterations of 27, 4 cost one more, and each pair takes time
+constexpr Index kMost = 120;               // iterations: more cost as much as Newton's method
+constexpr Index kTrial = 30;               // iterations in each of which the largest force
+constexpr double kEnergyRounding = 1e-14;  // of an energy: some tens of units in the last place
+constexpr double kFall = 0.2;              // has to fall to this share of itself: where all is well it does so in ten
 // With at least this many points an iteration of Newton's method costs as much as hundreds of these, and the largest force rises
 // for longer before it falls: the first trial is then omitted.
 constexpr Index kMany = 4096;
@@ -144,7 +145,7 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, c
     findDirection(system);
     if (!search(system, time, rounding, state, report)) return false;
     ++report.iterations;
-    if (isEnough()) return system.potentialEnergy(time, state) <= energy + 1e-14 * std::abs(energy);
+    if (isEnough()) return system.potentialEnergy(time, state) <= energy + kEnergyRounding * std::abs(energy);
     if (k % kTrial == 0) {
       if (!(are_many && k == kTrial) && !(report.residual <= kFall * at_trial)) return false;
       at_trial = report.residual;
