@@ -4,6 +4,7 @@
 #include "deformable_surface/simulation/contact_load.h"
 
 #include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/step_time.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -21,7 +22,6 @@ using tool::Entry;
 using tool::Pose;
 using tool::ToolParams;
 
-constexpr double kRounding = 1e-6;  // fraction of a step: possible rounding error of the time of its beginning
 constexpr double kBack = 0.01;             // of the depth of a passed point: a withdrawal that is as good as none
 constexpr std::size_t kUsualMoments = 64;  // of a step, for which memory is taken at once
 constexpr double kShallow = 0.1;  // of the way to a point that a flat face pushes: below the same face by more is too deep
@@ -161,7 +161,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
   const double travel = findTravel(before_, ahead_.positions);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
-    const bool acts = tool::isActive(body.tool, time + kRounding * step);
+    const bool acts = tool::isActive(body.tool, time + kTimeRounding * step);
     any = any || body.acts != acts;
     body.acts = acts;
     if (!acts) body.arrival = {};

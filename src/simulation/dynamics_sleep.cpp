@@ -2,6 +2,8 @@
 // it.
 #include "dynamics.h"
 
+#include "deformable_surface/base/step_time.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -69,7 +71,7 @@ void Dynamics::makePart() {
 }
 
 NamedForces::Update Dynamics::wakeForStep(double now, double dt) {
-  NamedForces::Update update = loads_.forces.update(now + 1e-6 * dt, now_.points, now_.pinned);
+  NamedForces::Update update = loads_.forces.update(now + kTimeRounding * dt, now_.points, now_.pinned);
   const bool was_whole = activity_.isWhole();
   if (update.changed) {
     activity_.wake(update.points);

@@ -3,6 +3,7 @@
 #include "dynamics.h"
 
 #include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/step_time.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/base/value.h"
 
@@ -482,7 +483,7 @@ std::optional<double> Dynamics::searchAgain(double now, double disturbance, mode
 
 Grips::Update Dynamics::updateGrips(double now, double dt) {
   if (grips_.readForces()) system_.computeForcesOnAll(now, now_.points, forces_on_all_);
-  Grips::Update update = grips_.update(now, 1e-6 * dt, now_.points, now_.pinned, forces_on_all_);
+  Grips::Update update = grips_.update(now, kTimeRounding * dt, now_.points, now_.pinned, forces_on_all_);
   appendNotice(update.notice, clampGrips(update.begun));
   if (update.changed) clampHeld();
   grips_.carry(now, dt, params_.integrator.type == solve::IntegratorType::kStatic, now_.points, held_);

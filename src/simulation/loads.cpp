@@ -3,6 +3,7 @@
 #include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/simd.h"
+#include "deformable_surface/base/step_time.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -147,7 +148,7 @@ void AnchorLoad::addRowBounds(double, const State&, std::vector<double>& stiffne
 
 bool actsInAStep(const ForceParams& force, double time_step, double duration) {
   // Rounding of decimal fractions must not lose a step, as in Simulation::step().
-  const double rounding = 1e-6 * time_step;
+  const double rounding = kTimeRounding * time_step;
   const double first = std::max(0.0, std::ceil((force.start - rounding) / time_step)) * time_step;
   return first + rounding < duration && first + rounding < force.end;
 }
@@ -157,7 +158,6 @@ void AnchorLoad::renumber(const std::vector<Index>& new_index) {
   anchors_.erase(std::remove_if(anchors_.begin(), anchors_.end(), [](const Anchor& a) { return a.point < 0; }), anchors_.end());
 }
 
-void NamedForces::renumber(const std::vector<Index>& new_index) {
 void NamedForces::renumber(const std::vector<Index>& new_index, Named& force) {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < force.points.size(); ++k) {
@@ -169,6 +169,7 @@ void NamedForces::renumber(const std::vector<Index>& new_index, Named& force) {
   force.shares.resize(kept);
 }
 
+void NamedForces::renumber(const std::vector<Index>& new_index) {
   for (Named& force : forces_) {
     renumber(new_index, force);
     const double sum = std::accumulate(force.shares.begin(), force.shares.end(), 0.0);

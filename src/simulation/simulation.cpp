@@ -4,6 +4,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/params.h"
+#include "deformable_surface/base/step_time.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -164,7 +165,7 @@ StepOutcome Simulation::Impl::step() {
   if (!run.beginStep()) {
     taken = run.passStep();
   } else {
-    if (now + 1e-6 * dt >= dynamics().params().duration) leaveTrial("the duration of the scene is over");
+    if (now + kTimeRounding * dt >= dynamics().params().duration) leaveTrial("the duration of the scene is over");
     outcome.notice = std::exchange(trial_notice, {});
     const std::shared_ptr<const CutTransfer::Memory> severed = surface.saveCut();
     const auto giveBack = [&] { surface.restoreCut(severed, stretchLinksOf(dynamics().model())); };
@@ -283,7 +284,7 @@ std::string Simulation::Impl::tellTargetKept() {
   const double target = params.accuracy.position_error, dt = params.integrator.time_step;
   const double error = largest_error + dynamics().activity().lost();
   if (is_target_kept || !choice.is_asked || choice.is_met || !run.estimator() || !(target > 0.0 && error <= target)) return "";
-  if (!(dynamics().time() + 1e-6 * dt >= params.duration)) return "";
+  if (!(dynamics().time() + kTimeRounding * dt >= params.duration)) return "";
   is_target_kept = true;
   return "accuracy.position_error, " + formatReal(target) + " m, was met in all " + std::to_string(dynamics().stepCount()) +
          " steps, which trials could not tell: the expected error was at most " + formatShort(error) + " m, and a bound";

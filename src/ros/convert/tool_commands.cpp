@@ -1,6 +1,7 @@
 #include "deformable_surface/ros/convert/tool_commands.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/step_time.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/ros/convert/tool_decoder.h"
 
@@ -17,9 +18,6 @@ using tool::ToolParams;
 
 // Its tree is rebuilt for every message that adds or moves the tool: about ten milliseconds.
 constexpr std::size_t kMaxMeshTriangles = 20000, kMinMeshTriangles = 4;  // fewer enclose nothing
-
-// Rounding of times must not make a tool late by a step.
-constexpr double kRounding = 1e-6;    // of a step
 constexpr std::size_t kShownId = 64;  // letters of an id that is wrong
 
 Vec3 toVec3(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
@@ -256,7 +254,7 @@ void ToolCommands::lookAtFrame(const std::string& what, const ros::Time& stamp, 
 
 // When a velocity has ended, the tool stays where it was then.
 std::string ToolCommands::endVelocity(double now, double step, Course& course) const {
-  if (!(now >= course.ends - kRounding * step)) return "";
+  if (!(now >= course.ends - kTimeRounding * step)) return "";
   const double moved = course.ends - course.given;
   const double angle = moved * course.spin.norm();
   course.pose.position += moved * course.velocity;
@@ -352,7 +350,7 @@ std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::
       if (!problem.empty()) problems.push_back("tool " + quote(id) + ": " + problem);
     };
     append(endVelocity(now, step, course));
-    if (!course.follows_frame && now < course.arrives - kRounding * step) continue;
+    if (!course.follows_frame && now < course.arrives - kTimeRounding * step) continue;
     try {
       if (course.follows_frame) {
         lookAtFrame("tool " + quote(id), stamp, now, step, surface_frame, course);

@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/step_time.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/ros/convert/commands.h"
 #include "deformable_surface/ros/convert/encode.h"
@@ -16,14 +17,13 @@
 namespace deformable_surface::node {
 namespace {
 
-// Tolerance of a time in seconds as a multiple of the step, in steps: for the rounding of decimal fractions.
-constexpr double kRounding = 1e-6;
 // More than scenes use, and more than a message of a reasonable size holds.
 constexpr std::size_t kMaxForces = 1000;
 
 std::uint64_t toSteps(const std::string& what, double time, double step, std::uint64_t most) {
   const double steps = std::round(time / step);
-  if (!(std::abs(time / step - steps) <= kRounding * std::max(1.0, steps) && steps >= 0.0 && steps <= static_cast<double>(most)))
+  if (!(std::abs(time / step - steps) <= kTimeRounding * std::max(1.0, steps) && steps >= 0.0 &&
+        steps <= static_cast<double>(most)))
     throw InputError(what + ": found " + formatReal(time) + "; accepted: multiples of integrator.time_step, " + formatReal(step) +
                      " s, up to " + formatReal(static_cast<double>(most) * step) + " s");
   return static_cast<std::uint64_t>(steps);

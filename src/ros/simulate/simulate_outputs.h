@@ -2,6 +2,7 @@
 // when it is complete; tables also when the run is interrupted.
 #pragma once
 
+#include "deformable_surface/base/step_time.h"
 #include "deformable_surface/io/pending_file.h"
 #include "deformable_surface/ros/convert/encode.h"
 #include "deformable_surface/ros/convert/markers.h"
@@ -21,7 +22,7 @@ namespace deformable_surface::node {
 /// When the next output of a rate is due: at the first step at or after each multiple of its period, and at most once per step.
 class Pace {
  public:
-  Pace(double rate, double time_step) : rate_(rate), tolerance_(1e-6 * time_step) {}
+  Pace(double rate, double time_step) : rate_(rate), tolerance_(kTimeRounding * time_step) {}
   bool isDue(double time);
 
  private:

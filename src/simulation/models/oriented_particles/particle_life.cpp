@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/step_time.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/model/oriented_particles/sheet_joint.h"
 
@@ -10,8 +11,8 @@
 #include <cmath>
 #include <utility>
 
-#include "../../tool_reach.h"
 #include "../../rest_parts.h"
+#include "../../tool_reach.h"
 #include "particle_guide.h"
 #include "thin_blade.h"
 
@@ -221,7 +222,8 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
             has_flowed;
   change.has_energy = is_hot_;
   const double interval = scene_.oriented_particles.growth_interval;
-  const bool looks = std::floor((time + 1e-6 * step) / interval) > std::floor((time - (1.0 - 1e-6) * step) / interval);
+  const bool looks =
+      std::floor((time + kTimeRounding * step) / interval) > std::floor((time - (1.0 - kTimeRounding) * step) / interval);
   remove(time, looks, tools, state, change.population);
   if (looks) grow(time, tools, state, change.population);
   if (looks && change.population.born == 0) reportArrival(state, change.population);
