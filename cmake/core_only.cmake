@@ -23,8 +23,10 @@ install(FILES cmake/deformable_surfaceConfig.cmake ${PROJECT_BINARY_DIR}/deforma
 install_headers(${CMAKE_INSTALL_INCLUDEDIR})
 add_test(NAME example_package COMMAND ${PROJECT_SOURCE_DIR}/test/example_package/check.sh ${PROJECT_BINARY_DIR} example_package)
 
+file(WRITE ${PROJECT_BINARY_DIR}/core_tests.txt "")  # their names, for scripts/sanitize
 foreach(source ${core_tests})
   get_filename_component(name ${source} NAME_WE)
+  file(APPEND ${PROJECT_BINARY_DIR}/core_tests.txt "${name}\n")
   add_executable(${name} ${source})
   target_include_directories(${name} PRIVATE test)
   target_link_libraries(${name} camera_frames deformable_surface_core GTest::gtest GTest::gtest_main)
