@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 namespace deformable_surface::test {
 namespace {
 
@@ -154,6 +156,37 @@ TEST(MarkWide, ARowClampsWhereTheRegionHoldsMoreOfAFinerCloud) {
     EXPECT_EQ(std::count(clamping.begin(), clamping.end(), 1), spacing < 0.02 ? 6 : 0) << spacing;
     for (std::size_t i = 0; i < s.points.size(); ++i) EXPECT_LE(clamping[i], inside[i]);
   }
+}
+
+// The rim of a hole of four rings. With much jitter it looks like a band at some of its points.
+TEST(ClampPins, ANoteTellsWhereAPinIsAHingeAtSomePointsOnly) {
+  Index num_mixed = 0;
+  for (const double jitter : {0.0, 0.2}) {
+    for (unsigned seed = 0; seed < 8; ++seed) {
+      std::mt19937 generator(seed);
+      std::uniform_real_distribution<double> offset(-jitter, jitter);
+      cloud::PointCloud plate;
+      for (Index ring = 4; ring < 14; ++ring) {
+        const Index count = static_cast<Index>(std::lround(2.0 * M_PI * ring));
+        for (Index k = 0; k < count; ++k) {
+          const double angle = 2.0 * M_PI * k / count + 0.3 * ring, x = offset(generator), y = offset(generator);
+          plate.positions.emplace_back(ring * std::cos(angle) + x, ring * std::sin(angle) + y, 0.0);
+        }
+      }
+      simulation::SceneParams params;
+      params.simplification.method = cloud::SimplificationMethod::kNone;
+      params.pins.emplace_back();
+      params.pins[0].region.kind = geometry::Region::Kind::kSphere;
+      params.pins[0].region.radius = 4.5;
+      std::string notes;
+      for (const std::string& note : simulation::buildRestSurface(params, plate, 3).notes) notes += note + "\n";
+      const bool is_mixed = notes.find("pins[0] is a hinge at ") != std::string::npos;
+      EXPECT_TRUE(is_mixed || notes.find("pins[0] is a hinge: ") != std::string::npos) << notes;
+      if (jitter == 0.0) EXPECT_FALSE(is_mixed) << notes;
+      num_mixed += is_mixed;
+    }
+  }
+  EXPECT_GT(num_mixed, 0);
 }
 
 // The normals of the crest are the mean of both faces'. A triangle across it stands upright on the surface.

@@ -18,7 +18,7 @@ using tool::ToolParams;
 
 // Its tree is rebuilt for every message that adds or moves the tool: about ten milliseconds.
 constexpr std::size_t kMaxMeshTriangles = 20000, kMinMeshTriangles = 4;  // fewer enclose nothing
-constexpr std::size_t kShownId = 64;  // letters of an id that is wrong
+constexpr std::size_t kShownId = 64;                                     // letters of an id that is wrong
 
 Vec3 toVec3(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
 
