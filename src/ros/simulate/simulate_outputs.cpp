@@ -25,6 +25,14 @@ std::string formatExactly(double value) {
   return text;
 }
 
+// A field of a CSV file (RFC 4180).
+std::string quoteCsv(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
 std::string nameStatistics() {
   std::string header;
   simulation::visitFields({}, [&](const std::string& name, const auto&) { header += (header.empty() ? "" : ",") + name; });
@@ -84,7 +92,7 @@ void WrenchesFile::add(const simulation::Simulation& simulation) {
   const std::string step = formatExactly(simulation.time()) + ',' + std::to_string(simulation.stepCount()) + ',';
   const auto addAll = [&](const auto& reactions) {
     for (const auto& reaction : reactions) {
-      std::string row = step + reaction.id;
+      std::string row = step + quoteCsv(reaction.id);
       for (const Vec3& vector : {reaction.force, reaction.torque})
         for (const double value : {vector.x(), vector.y(), vector.z()}) row += ',' + formatExactly(value);
       file_.add(row);

@@ -168,6 +168,15 @@ TEST_F(Simulate, WritesARowOfWrenchesPerStepAndPin) {
   EXPECT_NE(text.find("\n0.01,1,pins[0],"), std::string::npos) << text;
 }
 
+TEST_F(Simulate, QuotesIdsOfToolsWithCommasInItsWrenches) {
+  EXPECT_EQ(run({"--set", "tools=[{id: 'a \"b\", c', shape: {sphere: {radius: 0.1}}, path: [{position: [5, 5, 5]}]}]",
+                 "--wrenches", path("out.csv")}),
+            0)
+      << err_;
+  const std::string text = readFile(path("out.csv"));
+  EXPECT_NE(text.find("\n0.01,1,\"a \"\"b\"\", c\",0,0,0,0,0,0\n"), std::string::npos) << text;
+}
+
 TEST_F(Simulate, PrintsMeasuredQuantitiesWithAllDigitsAndTellsWhichThereAreNot) {
   EXPECT_EQ(run({"--set", "gravity=[0, 0, -9.81]", "--measure", "min_z", "--measure", "volume_ratio"}), 0);
   const std::size_t found = out_.find("measured min_z ");
