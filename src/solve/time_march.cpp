@@ -83,7 +83,6 @@ void add(const SolveReport& part, SolveReport& total) {
   total.iterations += part.iterations;
   total.passes += part.passes;
   total.is_quasi_newton = part.is_quasi_newton;
-  total.is_given_up = part.is_given_up;
   total.residual = std::max(total.residual, part.residual);
   total.unbalanced = std::max(total.unbalanced, part.unbalanced);
   total.is_out_of_iterations = total.is_out_of_iterations || part.is_out_of_iterations;
@@ -310,7 +309,7 @@ SolveReport TimeMarch::takeImplicitParts(double time, Index parts, State& state)
   work_ = dissipated_ = 0.0;
   substeps_needed_ = 0;
   SolveReport total;
-  for (Index k = 0; k < parts && total.finite && !total.is_given_up && !isInterrupted(); ++k) {
+  for (Index k = 0; k < parts && total.finite && !isInterrupted(); ++k) {
     const double from = time + k * part;
     beginPortion(state);
     Integrator& implicit = integrator(IntegratorType::kImplicit);
