@@ -24,6 +24,12 @@ struct PairPotentials {
   bool bends() const { return co_planarity > 0.0 || co_normality > 0.0 || co_circularity > 0.0; }
 };
 
+/// m: nearer, the repulsion of a pair holds more energy than a bond, phi > 0. r0 (m / n)^(1 / (n - m)), with the letters of the
+/// potential.
+inline double findLeastDistance(const PairPotentials& p) {
+  return p.distance * std::pow(static_cast<double>(p.attraction) / p.repulsion, 1.0 / (p.repulsion - p.attraction));
+}
+
 /// x^exponent.
 template <class T>
 DEFORMABLE_SURFACE_INLINE void raise(const T& x, int exponent, T& power) {

@@ -24,12 +24,6 @@ constexpr Index kLook = 1024;     // particles between two looks at an interrupt
 // them displaced by 0.1 spacings: without it they threw off up to eight pieces, with it none.
 constexpr double kQuiet = 0.01;
 
-// The distance, m, below which the repulsion of a pair holds more energy than a bond.
-double findLeastDistance(const model::PairPotentials& pair) {
-  return pair.distance *
-         std::pow(static_cast<double>(pair.attraction) / pair.repulsion, 1.0 / (pair.repulsion - pair.attraction));
-}
-
 // What would be born inside a solid tool is born on it: contact would throw it off the surface. What lies deeper than half a
 // spacing is no place of the surface.
 void placeOnTools(double time, const std::vector<tool::ToolParams>& tools, double spacing,
@@ -207,7 +201,7 @@ void ParticleLife::grow(double time, const std::vector<tool::ToolParams>& tools,
     model::GrowthParams witnessed = growth;
     witnessed.witnessed = true;
     if (params.growing == model::Growing::kEdges)
-      witnessed.clearance = std::max(growth.clearance, findLeastDistance(model_.lattice().pair) / spacing);
+      witnessed.clearance = std::max(growth.clearance, model::findLeastDistance(model_.lattice().pair) / spacing);
     found(witnessed.clearance, model::proposeGrown(state.positions, state.orientations, growing, spacing, witnessed, {}, apart));
   };
   findRoom();

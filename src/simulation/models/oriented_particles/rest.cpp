@@ -194,10 +194,9 @@ void takeCloudAsRest(Index k, model::OrientedParticles& model, RestSurface& s) {
 }
 
 // A flat lattice is the rest shape. Where two particles are so near that their repulsion holds more energy than a bond, the cloud
-// would fly apart at once: phi(d) > 0 below d = r0 (m/n)^(1/(n-m)), with the letters of the potential. Particles then slide over
-// the surface until they are even. Other clouds stay as they are, bit for bit.
-void partCrushed(const Vec2& exponents, model::OrientedParticles& model, RestSurface& s) {
-  const double least = model.lattice().pair.distance * std::pow(exponents[1] / exponents[0], 1.0 / (exponents[0] - exponents[1]));
+// would fly apart at once. Particles then slide over the surface until they are even. Other clouds stay as they are, bit for bit.
+void partCrushed(model::OrientedParticles& model, RestSurface& s) {
+  const double least = model::findLeastDistance(model.lattice().pair);
   const Lists nearest = cloud::nearestNeighbors(s.points, 1);
   const auto isCrushed = [&](Index i) {
     return nearest.count(i) > 0 && (s.points[*nearest.begin(i)] - s.points[i]).norm() < least;
@@ -266,7 +265,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   }
   if (params.oriented_particles.grow_surface) return;
   if (params.oriented_particles.restsAsCloud()) return takeCloudAsRest(params.neighbors.k, model, s);
-  if (params.oriented_particles.mode == model::ParticleMode::kSpace) partCrushed(params.oriented_particles.exponents, model, s);
+  if (params.oriented_particles.mode == model::ParticleMode::kSpace) partCrushed(model, s);
   warnOfSpacing(model.lattice().spacing, s);
 }
 
