@@ -19,8 +19,8 @@ struct Rows {
 };
 
 // Residual of b after a sweep from zero, summed over the members of aggregates [begin, end).
-DEFORMABLE_SURFACE_WIDE void restrict(Index begin, Index end, const Rows& a, const Index* first_member, const Index* members,
-                                      const double* b, double* to) {
+DEFORMABLE_SURFACE_WIDE void restrictResidual(Index begin, Index end, const Rows& a, const Index* first_member,
+                                              const Index* members, const double* b, double* to) {
   for (Index g = begin; g < end; ++g) {
     Double4 sum{};
     for (Index m = first_member[g]; m < first_member[g + 1]; ++m) {
@@ -200,7 +200,7 @@ void Multigrid::cycle(std::size_t l) {
   const Rows rows{level.offsets.data(),  level.columns.data(), level.values.data(),
                   level.diagonal.data(), level.inverse.data(), level.share.data()};
   parallelFor(next.n, kBlock / 8, [&](Index begin, Index end) {
-    restrict(begin, end, rows, level.first_member.data(), level.members.data(), level.b.data(), next.b.data());
+    restrictResidual(begin, end, rows, level.first_member.data(), level.members.data(), level.b.data(), next.b.data());
   });
   cycle(l + 1);
   parallelFor(level.n, kBlock, [&](Index begin, Index end) {
