@@ -114,7 +114,7 @@ ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std
     }
   findRowBounds();
   findCouplings();
-  findStableStep();
+  boundStableStep();
 }
 
 void ElasticSolid::beginAtRest(State& state) {
@@ -189,7 +189,7 @@ void ElasticSolid::findCouplings() {
         couplings_.push_back({i, j, 0.5 * (share[i] + share[j]) * rowOf(k)[3]});
 }
 
-void ElasticSolid::findStableStep() {
+void ElasticSolid::boundStableStep() {
   const Index n = static_cast<Index>(masses_.size());
   Eigen::VectorXd scale(3 * n);
   for (Index i = 0; i < n; ++i) scale.segment<3>(3 * i).setConstant(1.0 / std::sqrt(masses_[i]));

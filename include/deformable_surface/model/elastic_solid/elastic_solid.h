@@ -87,7 +87,7 @@ class ElasticSolid : public DeformableModel,
   void findRowBounds();
   void findCouplings();
   double stretchOf(std::size_t link, const State& state) const;
-  void findStableStep();
+  void boundStableStep();
   void addPassForces(StressLaw law, const double* positions, Points& forces) const;
 
   StressLaw law_ = StressLaw::kCorotated;
