@@ -151,10 +151,9 @@ void Dynamics::reset() {
   setTools(params_.tools);
   if (chosen_.integrator != solve::IntegratorType::kAuto) params_.integrator.type = chosen_.integrator;
   tool_watch_.reset();
-  reported_loose_ = 0;
-  has_reported_grazing_ = has_told_compliance_ = has_told_dicing_ = false;
-  implicit_work_ = {};
-  contact_work_ = {contact_work_.near};
+  const std::size_t near = told_.contact_work.near;
+  told_ = {};
+  told_.contact_work.near = near;
   Changes all;
   all.loads = all.parts = all.motion = all.everywhere = true;
   follow(all);

@@ -312,23 +312,24 @@ class Dynamics {
   std::string growth_notice_, growth_warning_;
   Index last_substeps_ = 0;
   LooseParts loose_;  // of static steps
-  // Since the last reset:
-  bool has_reported_grazing_ = false;
   std::string why_no_self_contact_;
   std::shared_ptr<const ContactSkin> skin_without_contact_;  // null: not made
-  bool has_told_compliance_ = false, has_told_dicing_ = false;
-  struct ImplicitWork {
-    Index steps = 0, iterations = 0;  // of implicit steps, since the last look
-    bool is_told = false;
-  } implicit_work_;
-  struct ContactWork {
-    std::size_t near = 0;  // pairs, in all sub-steps until the end of the last step
-    double pairs = 0.0;    // a point and sub-step, in all steps since the last look
-    Index steps = 0;       // these
-    bool is_told = false;
-  } contact_work_;
   UntanglingProgress untangling_;
-  Index reported_loose_ = 0;   // points of loose parts, as said last since the last reset
+  // What was told since the last reset, and the work that is counted for it.
+  struct Told {
+    bool grazing = false, compliance = false, dicing = false;
+    Index loose = 0;  // points of loose parts, as told last
+    struct ImplicitWork {
+      Index steps = 0, iterations = 0;  // of implicit steps, since the last look
+      bool is_told = false;
+    } implicit_work;
+    struct ContactWork {
+      std::size_t near = 0;  // pairs, in all sub-steps until the end of the last step
+      double pairs = 0.0;    // a point and sub-step, in all steps since the last look
+      Index steps = 0;       // these
+      bool is_told = false;
+    } contact_work;
+  } told_;
   DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion
   bool has_slept_ = false;     // through that step
   NamedForces::Update woken_;  // by the step that is taken

@@ -160,7 +160,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   }
   appendNotice(outcome.notice, describeCostlySteps(taken.report));
   appendNotice(outcome.notice, describeCostlyContact(taken.report));
-  const bool may_dice = !has_told_dicing_ && hasKnife(now);
+  const bool may_dice = !told_.dicing && hasKnife(now);
   const Index single = may_dice ? countSinglePoints() : 0;
   const auto [has_cut, has_flowed, leaves_copies] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
   outcome.has_cut = has_cut;
@@ -168,7 +168,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (has_cut) {
     const Index cut_off = may_dice ? countSinglePoints() - single : 0;
     if (cut_off >= kDiced) {
-      has_told_dicing_ = true;
+      told_.dicing = true;
       appendNotice(outcome.notice, describeDicing(cut_off));
     }
     followCuts();
@@ -243,7 +243,7 @@ std::string Dynamics::endUntangling(double dt) {
 // Of pads that are harder than contact without them, once until the next reset.
 std::string Dynamics::describeCompliance() {
   const double stated = params_.contact.compliance;
-  if (!(stated > 0.0) || !(now_.contact_rate > 0.0) || std::exchange(has_told_compliance_, true)) return "";
+  if (!(stated > 0.0) || !(now_.contact_rate > 0.0) || std::exchange(told_.compliance, true)) return "";
   std::string where;
   const auto add = [&](double own, const char* what) {
     if (stated < own) where += (where.empty() ? "" : " and ") + std::string(what) + formatShort(own) + " m/Pa";
@@ -272,10 +272,10 @@ Index Dynamics::countSinglePoints() {
 
 // Reported once until the next reset.
 std::string Dynamics::describeGrazing(double now) {
-  if (has_reported_grazing_ || !kind_.traits().is_surface) return "";
+  if (told_.grazing || !kind_.traits().is_surface) return "";
   const Grazing found = findGrazing(loads_.contact, now, now_.points, params_.material.thickness);
   if (!found.slider) return "";
-  has_reported_grazing_ = true;
+  told_.grazing = true;
   return "tool " + quote(found.slider->id) + " slides over the surface on tool " + quote(found.support->id) +
          " without touching it, " + formatShort(found.gap) +
          " m above points that have no thickness (material.thickness: " + formatShort(params_.material.thickness) +
@@ -284,7 +284,7 @@ std::string Dynamics::describeGrazing(double now) {
 
 // Once until the next reset. It counts work and no seconds, so that a run says the same on every machine.
 std::string Dynamics::describeCostlySteps(const solve::SolveReport& report) {
-  ImplicitWork& seen = implicit_work_;
+  Told::ImplicitWork& seen = told_.implicit_work;
   const bool is_asked = params_.integrator.type == solve::IntegratorType::kImplicit && !hasChosenIntegrator();
   if (!is_asked || seen.is_told || report.iterations == 0) return "";
   seen.iterations += report.iterations;
@@ -303,7 +303,7 @@ std::string Dynamics::describeCostlySteps(const solve::SolveReport& report) {
 // Once until the next reset, counted as well: where a few steps have as many near pairs as many ordinary ones. Implicit steps
 // have the same pairs in each iteration, and describeCostlySteps() tells of these.
 std::string Dynamics::describeCostlyContact(const solve::SolveReport& report) {
-  ContactWork& seen = contact_work_;
+  Told::ContactWork& seen = told_.contact_work;
   if (!loads_.self_contact) return "";
   const std::size_t near = loads_.self_contact->contact.numNear(), before = std::exchange(seen.near, near);
   if (seen.is_told || report.iterations > 0) return "";
@@ -459,8 +459,8 @@ std::string Dynamics::holdLoose() {
       held_[i] = 1;
       now_.points.velocities[i].setZero();
     }
-  const bool has_changed = loose_.numPoints() > 0 && loose_.numPoints() != reported_loose_;
-  reported_loose_ = loose_.numPoints();
+  const bool has_changed = loose_.numPoints() > 0 && loose_.numPoints() != told_.loose;
+  told_.loose = loose_.numPoints();
   return has_changed ? loose_.describe() : "";
 }
 
