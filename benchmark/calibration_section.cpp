@@ -52,6 +52,7 @@ double findLargestDistance(const Points& a, const Points& b) {
 bool runTruth(SceneParams params, const cloud::PointCloud& cloud, int steps, int looks, double disturbance, Index fineness,
               std::vector<Points>& shapes) {
   params.accuracy.estimate = false;
+  params.output.error = false;
   params.simplification = cloud::SimplificationParams();
   params.simplification.method = cloud::SimplificationMethod::kNone;
   if (params.integrator.type != IntegratorType::kStatic) params.integrator.type = IntegratorType::kVerlet;

@@ -47,6 +47,7 @@ inline Points runToShape(simulation::SceneParams p, const cloud::PointCloud& clo
 inline Points findTruth(simulation::SceneParams p, const cloud::PointCloud& cloud) {
   p.accuracy = simulation::AccuracyParams();
   p.accuracy.estimate = false;
+  p.output.error = false;
   p.simplification = cloud::SimplificationParams();
   p.simplification.method = cloud::SimplificationMethod::kNone;
   if (p.integrator.type == solve::IntegratorType::kImplicit) p.integrator.type = solve::IntegratorType::kVerlet;
