@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renumber_points.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -231,16 +233,7 @@ void Grips::carry(double time, double step, bool at_once, model::State& state, s
 }
 
 void Grips::renumber(const std::vector<Index>& new_index) {
-  for (Grip& grip : grips_) {
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < grip.points.size(); ++k) {
-      if (new_index[grip.points[k]] < 0) continue;
-      grip.points[kept] = new_index[grip.points[k]];
-      grip.places[kept++] = grip.places[k];
-    }
-    grip.points.resize(kept);
-    grip.places.resize(kept);
-  }
+  for (Grip& grip : grips_) renumberPoints(new_index, grip.points, grip.places);
 }
 
 void Grips::addReactions(double time, const model::State& state, const Points& forces,

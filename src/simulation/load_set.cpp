@@ -1,5 +1,7 @@
 #include "load_set.h"
 
+#include "renumber_points.h"
+
 namespace deformable_surface::simulation {
 
 LoadSet::LoadSet(const model::DeformableModel& model, const SceneParams& params)
@@ -49,7 +51,7 @@ void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index
   // If a force acts on other points as well, each point here keeps its share.
   std::vector<NamedForces::Named> shared = whole.forces.all();
   for (NamedForces::Named& force : shared) {
-    NamedForces::renumber(new_index, force);
+    renumberPoints(new_index, force.points, force.shares);
     force.carriers.reset();  // they are the whole's: it tells which points they act on
   }
   forces.restore(shared);

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "renumber_points.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -158,20 +160,9 @@ void AnchorLoad::renumber(const std::vector<Index>& new_index) {
   anchors_.erase(std::remove_if(anchors_.begin(), anchors_.end(), [](const Anchor& a) { return a.point < 0; }), anchors_.end());
 }
 
-void NamedForces::renumber(const std::vector<Index>& new_index, Named& force) {
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < force.points.size(); ++k) {
-    if (new_index[force.points[k]] < 0) continue;
-    force.points[kept] = new_index[force.points[k]];
-    force.shares[kept++] = force.shares[k];
-  }
-  force.points.resize(kept);
-  force.shares.resize(kept);
-}
-
 void NamedForces::renumber(const std::vector<Index>& new_index) {
   for (Named& force : forces_) {
-    renumber(new_index, force);
+    renumberPoints(new_index, force.points, force.shares);
     const double sum = std::accumulate(force.shares.begin(), force.shares.end(), 0.0);
     for (double& share : force.shares) share /= sum;
   }

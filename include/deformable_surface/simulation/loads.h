@@ -150,8 +150,6 @@ class NamedForces : public solve::ExternalLoad {
   /// All forces, by ascending id: for snapshots.
   const std::vector<Named>& all() const { return forces_; }
   void restore(const std::vector<Named>& forces) { forces_ = forces; }
-  /// Points of a force take new indices, -1 = removed. Those that remain keep their shares.
-  static void renumber(const std::vector<Index>& new_index, Named& force);
   /// The indices of points have changed: new_index (of the former points), -1 = removed. The remaining points share the force.
   void renumber(const std::vector<Index>& new_index);
 
