@@ -284,15 +284,24 @@ bool Stepper::updateGravity() {
   if (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_) return is_gravity_known_ = true;
   try {
     gravity_rotation_ = findGravityTransform().linear();
-    // The time spent waiting is not caught up.
-    if (!is_gravity_known_) skipTo(now_, simulation_->stepCount());
-    is_gravity_known_ = true;
   } catch (const InputError& error) {
     // Once known, the last one stays.
-    if (!is_gravity_known_) warnings_.report(Warning::kWaiting, std::string(error.what()) + "; the surface waits for it");
+    if (!is_gravity_known_) {
+      warnings_.report(Warning::kWaiting, std::string(error.what()) + "; the surface waits for it");
+      return false;
+    }
   }
-  if (is_gravity_known_) simulation_->setGravity(gravity_rotation_ * params_.gravity);
-  return is_gravity_known_;
+  try {
+    simulation_->setGravity(gravity_rotation_ * params_.gravity);
+  } catch (const InputError& error) {
+    // A component of a turned vector may be larger than those that were given.
+    warnings_.report(Warning::kWaiting, "in the frame of the surface " + std::string(error.what()) +
+                                            (is_gravity_known_ ? "; the last gravity stays" : "; the surface waits for another"));
+    return is_gravity_known_;
+  }
+  // The time spent waiting is not caught up.
+  if (!is_gravity_known_) skipTo(now_, simulation_->stepCount());
+  return is_gravity_known_ = true;
 }
 
 }  // namespace deformable_surface::node
