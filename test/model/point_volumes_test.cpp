@@ -77,6 +77,10 @@ TEST(PointVolumes, AreFilledToTheDegreeOfTheirNeighbourhood) {
   model::fillCells({1.0, 1.0}, neighbors, volume);
   EXPECT_DOUBLE_EQ(volume[0], 2.0 / 3.0);
   EXPECT_DOUBLE_EQ(volume[1], 4.0 / 3.0);
+  // Nothing to fill.
+  volume = {0.0, 0.0};
+  model::fillCells({1.0, 1.0}, neighbors, volume);
+  EXPECT_EQ(volume, (std::vector<double>{0.0, 0.0}));
 }
 
 TEST(PointVolumes, AreAreasInAPlane) {

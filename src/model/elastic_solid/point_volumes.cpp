@@ -253,10 +253,11 @@ void fillCells(const std::vector<double>& around, const Lists& neighbors, std::v
   const std::vector<double> cells = volume;
   double sum = 0.0;
   for (Index i = 0; i < neighbors.size(); ++i) {
-    volume[i] *= meanOver(around, neighbors, i) / meanOver(cells, neighbors, i);
+    const double cell = meanOver(cells, neighbors, i);
+    if (cell > 0.0) volume[i] *= meanOver(around, neighbors, i) / cell;
     sum += volume[i];
   }
-  const double scale = std::accumulate(around.begin(), around.end(), 0.0) / sum;
+  const double scale = sum > 0.0 ? std::accumulate(around.begin(), around.end(), 0.0) / sum : 1.0;
   for (double& v : volume) v *= scale;
 }
 
