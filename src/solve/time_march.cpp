@@ -48,8 +48,8 @@ constexpr Index kBreakingParts = 8;
 constexpr double kCostly = 2.0;
 // Weight of an implicit step in the mean of their work: of the first one, and of others, as single ones may need many iterations.
 constexpr double kLearnFirst = 0.25, kLearn = 0.125;
-// Times Verlet's work at which an implicit step is given up. It is then the first of a new mean, with which auto leaves the
-// method.
+// Of Verlet's work: an implicit step that comes to more is given up. As the first step in the mean, its work makes auto leave the
+// implicit method.
 constexpr double kHopelessWork = kCostly / kLearnFirst;
 // Of that mean, forgotten in each step by Verlet: after 140 steps or more the implicit method is tried again.
 constexpr double kForgetWork = 0.01;

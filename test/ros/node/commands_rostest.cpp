@@ -22,6 +22,9 @@ namespace {
 
 using CommandsTest = SurfaceNodeTest;
 
+const char* const kTurnedGravity =
+    "{model: mass_spring, gravity: [0, 0, -1], gravity_frame: world, output: {publish_rate: 100.0, stamp: simulation}}";
+
 TEST_F(CommandsTest, PinsAndFreesWhatLiesInAShape) {
   ASSERT_TRUE(startPaused());
   SelectRegionRequest far_end;
@@ -89,9 +92,7 @@ TEST_F(CommandsTest, AppliesAWrenchUntilItsTimeout) {
 }
 
 TEST_F(CommandsTest, TakesForcesAndGravityFromTheirFrames) {
-  const std::string scene =
-      "{model: mass_spring, gravity: [0, 0, -1], gravity_frame: world, output: {publish_rate: 100.0, stamp: simulation}}";
-  NodeProcess process("/tilted", scene);
+  NodeProcess process("/tilted", kTurnedGravity);
   NodeClient client("/tilted");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   cloud_ = makeSurface(ros::Time::now());
@@ -132,9 +133,7 @@ TEST_F(CommandsTest, TakesForcesAndGravityFromTheirFrames) {
 }
 
 TEST_F(CommandsTest, GravityThatChangesIsTurnedAsLastKnown) {
-  const std::string scene =
-      "{model: mass_spring, gravity: [0, 0, -1], gravity_frame: world, output: {publish_rate: 100.0, stamp: simulation}}";
-  NodeProcess process("/turned", scene);
+  NodeProcess process("/turned", kTurnedGravity);
   NodeClient client("/turned");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   cloud_ = makeSurface(ros::Time::now());
