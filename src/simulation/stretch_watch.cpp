@@ -64,6 +64,7 @@ Overstretch findOverstretch(const Dynamics& dynamics) {
   const Index worst = static_cast<Index>(std::max_element(strain.begin(), strain.end()) - strain.begin());
   Overstretch over;
   over.is_surface = dynamics.kind().traits().is_surface;
+  over.has_law_for_it = !over.is_surface && dynamics.params().elastic_solid.law == model::SolidLaw::kNeoHookean;
   over.stretch = strain[worst];
   over.place = state.positions[worst];
 
@@ -87,8 +88,10 @@ std::string describeOverstretch(const Overstretch& over) {
   const std::string what = over.is_surface ? "the surface" : "the body";
   const std::string held = list(over.holders, "holds", "hold"), touched = list(over.pushers, "touches", "touch");
   const std::string told =
-      what + " is stretched by " + std::to_string(std::llround(100.0 * over.stretch)) + " % at " + formatPlace(over.place) +
-      " m: its material law is meant for small strains, and shape and forces there are not those of a material; ";
+      what + " is stretched by " + std::to_string(std::llround(100.0 * over.stretch)) + " % at " + formatPlace(over.place) + " m" +
+      (over.has_law_for_it
+           ? "; "
+           : ": its material law is meant for small strains, and shape and forces there are not those of a material; ");
   if (held.empty() && touched.empty())
     return told + "no tool or pin acts there: loads or speeds are too large for its stiffness (statistics: max_stretch)";
   return told + held + (!held.empty() && !touched.empty() ? " and " : "") + touched +

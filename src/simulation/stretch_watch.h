@@ -33,6 +33,7 @@ class StretchWatch {
 /// Where it is worst, and what acts on the points around that are linked by such stretches.
 struct Overstretch {
   bool is_surface = true;            // else a body
+  bool has_law_for_it = false;       // one for large strains
   double stretch = 0.0;              // |l / l0 - 1|
   Vec3 place = Vec3::Zero();         // m
   std::vector<std::string> holders;  // "tool 'left'", "pins[0]", each once

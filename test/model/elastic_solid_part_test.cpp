@@ -19,6 +19,7 @@ struct Variant {
 const Variant kVariants[] = {
     {"Corotated", model::SolidLaw::kCorotated, false},
     {"Linear", model::SolidLaw::kLinear, false},
+    {"NeoHookean", model::SolidLaw::kNeoHookean, false},
     {"CorotatedInAPlane", model::SolidLaw::kCorotated, true},
     {"LinearInAPlane", model::SolidLaw::kLinear, true},
 };

@@ -41,6 +41,11 @@ double findStabilization(const PairFit& near, const Points& points, const std::v
   return spread > 0.0 ? stiffness * volume * dimension / spread : 0.0;
 }
 
+StressLaw toStressLaw(SolidLaw law) {
+  if (law == SolidLaw::kLinear) return StressLaw::kLinear;
+  return law == SolidLaw::kNeoHookean ? StressLaw::kNeoHookean : StressLaw::kCorotated;
+}
+
 // In a planar solid, displacements across the plane are no strain.
 Points flatten(Points points, const Vec3& across) {
   for (Vec3& p : points) p -= across.dot(p) * across;
@@ -98,7 +103,7 @@ SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vecto
 ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
                            const MaterialParams& material, const ElasticSolidParams& params, Outline outline,
                            const std::vector<double>& around)
-    : law_(params.law == SolidLaw::kLinear ? StressLaw::kLinear : StressLaw::kCorotated),
+    : law_(toStressLaw(params.law)),
       is_plate_(!across.isZero(0.0) && params.plane == PlaneKind::kStress),
       passes_(makeRest(rest, neighbors, detours, across, material, params, outline, around)) {
   if (params.plasticity.isOn()) plasticity_.emplace(passes_.rest, params.plasticity);
@@ -214,6 +219,12 @@ double ElasticSolid::findStableStep(const State& state) const {
     squares.computeDirect(plastic.transpose() * plastic, Eigen::EigenvaluesOnly);
     largest = std::max(largest, squares.eigenvalues()[2]);
   }
+  if (law_ == StressLaw::kNeoHookean) {
+    positions_.assign(state.positions);
+    largest = std::max(largest, parallelMax(passes_.size(), kBlock, [&](Index begin, Index end) {
+                         return passes_.boundStiffening(begin, end, positions_.data());
+                       }));
+  }
   return stable_step_ / std::sqrt(largest);
 }
 
@@ -239,7 +250,7 @@ void ElasticSolid::prepareStiffness(const State& state, Hessian hessian) const {
 void ElasticSolid::addStiffnessProduct(const Points& v, Points& product) const {
   positions_.assign(v);
   product_.assign(v.size(), Vec3::Zero());
-  addPassForces(StressLaw::kTangent, positions_.data(), product_);
+  addPassForces(law_ == StressLaw::kNeoHookean ? StressLaw::kNeoHookeanTangent : StressLaw::kTangent, positions_.data(), product_);
   for (std::size_t i = 0; i < v.size(); ++i) product[i] -= product_[i];
 }
 
@@ -265,7 +276,7 @@ void ElasticSolid::computePointStress(const State& state, std::vector<double>& s
     for (Index i = begin; i < end; ++i) {
       const Mat3 F = passes_.fitGradient(i, positions_.data());
       Mat3 sigma = passes_.findStress(law_, F);
-      if (law_ == StressLaw::kCorotated) sigma = Mat3(sigma * F.transpose() / F.determinant());
+      if (law_ != StressLaw::kLinear) sigma = Mat3(sigma * F.transpose() / F.determinant());
       if (is_plate_) sigma -= across().dot(sigma * across()) * across() * across().transpose();
       sigma -= sigma.trace() / 3.0 * Mat3::Identity();
       stress[i] = std::sqrt(1.5) * sigma.norm();

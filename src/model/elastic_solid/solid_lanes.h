@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/simd.h"
 #include "deformable_surface/model/elastic_solid/solid_passes.h"
+#include "neo_hookean.h"
 
 namespace deformable_surface::model {
 
@@ -90,21 +91,27 @@ DEFORMABLE_SURFACE_INLINE void multiplyByInverse(const Four& a, const double* co
   }
 }
 
+// C = cof A, and det A.
+DEFORMABLE_SURFACE_INLINE void findCofactors(const Four& A, Four& C, Double4& determinant) {
+  for (int r = 0; r < 3; ++r) {
+    const int s = (r + 1) % 3, t = (r + 2) % 3;
+    for (int c = 0; c < 3; ++c) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      C.at[r][c] = A.at[s][d] * A.at[t][e] - A.at[s][e] * A.at[t][d];
+    }
+  }
+  determinant = A.at[0][0] * C.at[0][0] + A.at[0][1] * C.at[0][1] + A.at[0][2] * C.at[0][2];
+}
+
 // The rotations nearest to four F by Newton's iteration R <- (R + R^-T) / 2 [Higham 1986]. A lane is skipped (not sound) if F
 // is nearly singular, inside out or not finite.
 DEFORMABLE_SURFACE_INLINE void findRotations(const Four& F, Four& R, bool* is_sound) {
   R = F;
   Double4 first{}, change{};
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    Four C;  // cofactors
-    for (int r = 0; r < 3; ++r) {
-      const int s = (r + 1) % 3, t = (r + 2) % 3;
-      for (int c = 0; c < 3; ++c) {
-        const int d = (c + 1) % 3, e = (c + 2) % 3;
-        C.at[r][c] = R.at[s][d] * R.at[t][e] - R.at[s][e] * R.at[t][d];
-      }
-    }
-    const Double4 determinant = R.at[0][0] * C.at[0][0] + R.at[0][1] * C.at[0][1] + R.at[0][2] * C.at[0][2];
+    Four C;
+    Double4 determinant;
+    findCofactors(R, C, determinant);
     if (iteration == 0) first = determinant;
     const Double4 half = 0.5 / determinant;
     change = Double4{};
@@ -128,6 +135,15 @@ DEFORMABLE_SURFACE_INLINE void findStresses(StressLaw law, double mu, double lam
     const Double4 turned = lambda * (trace - 3.0) - 2.0 * mu;
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) P.at[r][c] = 2.0 * mu * F.at[r][c] + turned * R.at[r][c];
+    return;
+  }
+  if (law == StressLaw::kNeoHookean) {
+    Four C;
+    Double4 J;
+    findCofactors(F, C, J);
+    const Double4 pressed = (lambda + mu) * (J - 1.0) - mu;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) P.at[r][c] = mu * F.at[r][c] + pressed * C.at[r][c];
     return;
   }
   const double rest = law == StressLaw::kLinear ? 1.0 : 0.0;
@@ -155,6 +171,65 @@ DEFORMABLE_SURFACE_INLINE void findTangentStresses(double mu, double lambda, con
     P.at[r][1] = 2.0 * mu * F.at[r][1] + trace * R.at[r][1] + u * R.at[r][2] - w * R.at[r][0];
     P.at[r][2] = 2.0 * mu * F.at[r][2] + trace * R.at[r][2] + v * R.at[r][0] - u * R.at[r][1];
   }
+}
+
+// P of a motion by kNeoHookeanTangent, from the F and the factor of cof F of four points. F: of the motion.
+DEFORMABLE_SURFACE_INLINE void findNeoHookeanTangentStresses(double mu, double lambda, const Four& F, const double* tangent,
+                                                             Four& P) {
+  Four A, C;
+  Double4 pressed, J, change{};
+  for (int k = 0; k < 9; ++k) load(tangent + 4 * k, A.at[k / 3][k % 3]);
+  load(tangent + 36, pressed);
+  findCofactors(A, C, J);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) change += C.at[r][c] * F.at[r][c];
+  change *= lambda + mu;
+  for (int r = 0; r < 3; ++r) {
+    const int s = (r + 1) % 3, t = (r + 2) % 3;
+    for (int c = 0; c < 3; ++c) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      const Double4 turned = F.at[s][d] * A.at[t][e] + A.at[s][d] * F.at[t][e] - F.at[s][e] * A.at[t][d] - A.at[s][e] * F.at[t][d];
+      P.at[r][c] = mu * F.at[r][c] + change * C.at[r][c] + pressed * turned;
+    }
+  }
+}
+
+// psi of kNeoHookean, as neo_hookean::findDensity().
+DEFORMABLE_SURFACE_INLINE void findNeoHookeanDensities(double mu, double lambda, const Four& F, Double4& densities) {
+  Four C;
+  Double4 J, G[6];
+  findCofactors(F, C, J);
+  for (int r = 0, k = 0; r < 3; ++r)
+    for (int c = r; c < 3; ++c, ++k) {
+      G[k] = F.at[0][r] * F.at[0][c] + F.at[1][r] * F.at[1][c] + F.at[2][r] * F.at[2][c];
+      G[k] = 0.5 * (r == c ? G[k] - 1.0 : G[k]);
+    }
+  const Double4 yz = G[3] * G[5] - G[4] * G[4];
+  const Double4 g1 = G[0] + G[3] + G[5], g2 = yz + (G[0] * G[5] - G[2] * G[2]) + (G[0] * G[3] - G[1] * G[1]),
+                g3 = G[0] * yz - G[1] * (G[1] * G[5] - G[2] * G[4]) + G[2] * (G[1] * G[4] - G[2] * G[3]);
+  const auto is_far = J < neo_hookean::kFarFromRest;
+  const Double4 growth = is_far ? J - 1.0 : (2.0 * g1 + 4.0 * g2 + 8.0 * g3) / (J + 1.0);
+  const Double4 sheared = is_far ? g1 - growth : (g1 * growth - 4.0 * g2 - 8.0 * g3) / (J + 1.0);
+  densities = mu * sheared + 0.5 * (lambda + mu) * growth * growth;
+}
+
+// psi by law (not kBound or a tangent); of kCorotated with the rotations.
+DEFORMABLE_SURFACE_INLINE void findDensities(StressLaw law, double mu, double lambda, const Four& F, const Four& R,
+                                             Double4& densities) {
+  if (law == StressLaw::kNeoHookean) {
+    findNeoHookeanDensities(mu, lambda, F, densities);
+    return;
+  }
+  Double4 square{}, trace{};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) {
+      const double rest = r == c ? 1.0 : 0.0;
+      const Double4 strain = law == StressLaw::kCorotated ? F.at[r][c] - R.at[r][c] : 0.5 * (F.at[r][c] + F.at[c][r]) - rest;
+      square += strain * strain;
+      if (law == StressLaw::kCorotated) trace += R.at[r][c] * strain;
+      if (law == StressLaw::kLinear && r == c) trace += strain;
+    }
+  densities = mu * square + 0.5 * lambda * trace * trace;
 }
 
 DEFORMABLE_SURFACE_INLINE void addAcross(const PassArrays& a, Four& F) {

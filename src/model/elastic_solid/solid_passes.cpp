@@ -1,5 +1,6 @@
 #include "deformable_surface/model/elastic_solid/solid_passes.h"
 
+#include "neo_hookean.h"
 #include "solid_lanes.h"
 
 #include <Eigen/Eigenvalues>
@@ -20,6 +21,13 @@ constexpr Index kTangents = 15;
 constexpr Index kEnergies = 256;  // points whose energies fit on the stack
 // Of mu: the derivative has poles where two stretches cancel, and is limited to this there.
 constexpr double kMostTangent = 1e3;
+
+bool isOfPlaces(StressLaw law) {
+  return law == StressLaw::kCorotated || law == StressLaw::kLinear || law == StressLaw::kNeoHookean;
+}
+
+// Whether no rotation shows that neighbours span no volume.
+bool missesDeficiency(StressLaw law) { return law == StressLaw::kLinear || law == StressLaw::kNeoHookean; }
 
 // For one point: sums over the neighbours j of (x_j - x_i) row_j[c], c < 3, and over the near ones, which come first, of
 // (x_j - x_i) m_j[c], c < 4. places: of the neighbours in the block's memory.
@@ -87,11 +95,14 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
       transpose(near[0][c], near[1][c], near[2][c], near[3][c]);
       for (int r = 0; r < 3; ++r) (c < 3 ? A.at[r][c] : sums[r]) = near[r][c];
     }
-    if (law == StressLaw::kCorotated || law == StressLaw::kLinear) addAcross(a, F);
+    if (isOfPlaces(law)) addAcross(a, F);
     bool is_sound[4] = {true, true, true, true};
     if (law == StressLaw::kCorotated) findRotations(F, R, is_sound);
+    const double* tangent = a.tangent + kTangents * static_cast<std::ptrdiff_t>(i);
     if (law == StressLaw::kTangent) {
-      findTangentStresses(a.mu, a.lambda, F, a.tangent + kTangents * static_cast<std::ptrdiff_t>(i), Q);
+      findTangentStresses(a.mu, a.lambda, F, tangent, Q);
+    } else if (law == StressLaw::kNeoHookeanTangent) {
+      findNeoHookeanTangentStresses(a.mu, a.lambda, F, tangent, Q);
     } else {
       findStresses(law, a.mu, a.lambda, F, R, Q);
     }
@@ -124,7 +135,7 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
     }
     for (Index lane = 0; lane < 4 && i + lane < end; ++lane) {
       double* to = room + kRoom * static_cast<std::ptrdiff_t>(i + lane - begin) + 4;
-      if (!is_sound[lane] || (a.deficient && law == StressLaw::kLinear && a.deficient[i + lane])) {
+      if (!is_sound[lane] || (a.deficient && missesDeficiency(law) && a.deficient[i + lane])) {
         any_unsound = true;
         to[3] = 1.0;
         continue;
@@ -152,17 +163,10 @@ DEFORMABLE_SURFACE_WIDE void findEnergies(StressLaw law, Index begin, Index end,
     addAcross(a, F);
     bool is_sound[4] = {true, true, true, true};
     if (law == StressLaw::kCorotated) findRotations(F, R, is_sound);
-    Double4 square{}, trace{}, volume;
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) {
-        const double rest = r == c ? 1.0 : 0.0;
-        const Double4 strain = law == StressLaw::kCorotated ? F.at[r][c] - R.at[r][c] : 0.5 * (F.at[r][c] + F.at[c][r]) - rest;
-        square += strain * strain;
-        if (law == StressLaw::kCorotated) trace += R.at[r][c] * strain;
-        if (law == StressLaw::kLinear && r == c) trace += strain;
-      }
+    Double4 density, volume;
+    findDensities(law, a.mu, a.lambda, F, R, density);
     load(constants, volume);
-    const Double4 elastic = volume * (a.mu * square + 0.5 * a.lambda * trace * trace);
+    const Double4 elastic = volume * density;
     Double4 columns[3][4];
     for (int c = 0; c < 3; ++c) {
       for (int r = 0; r < 3; ++r) columns[c][r] = N.at[r][c];
@@ -349,6 +353,10 @@ void SolidPasses::spreadOne(StressLaw law, Index i, Index place, const double* p
 void SolidPasses::beginTangent() { tangent_.resize(4 * kTangents * ((static_cast<std::size_t>(size()) + 3) / 4)); }
 
 void SolidPasses::prepareTangent(StressLaw law, bool is_positive, Index begin, Index end, const double* positions) {
+  if (law == StressLaw::kNeoHookean) {
+    for (Index i = begin; i < end; ++i) prepareNeoHookean(is_positive, i, positions);
+    return;
+  }
   bool is_sound[kEnergies];
   const PassArrays arrays = arraysOf(positions);
   for (Index first = begin; first < end; first += kEnergies) {
@@ -357,6 +365,21 @@ void SolidPasses::prepareTangent(StressLaw law, bool is_positive, Index begin, I
     for (Index i = first; i < last; ++i)
       if (!is_sound[i - first]) prepareOne(law, is_positive, i, positions);
   }
+}
+
+void SolidPasses::prepareNeoHookean(bool is_positive, Index i, const double* positions) {
+  const Mat3 F = fitGradient(i, positions);
+  double* to = tangent_.data() + 4 * kTangents * static_cast<std::size_t>(i / 4) + i % 4;
+  for (int k = 0; k < 9; ++k) to[4 * k] = F(k / 3, k % 3);
+  const double pressed = neo_hookean::findFactor(rest.mu, rest.lambda, F.determinant());
+  to[36] = is_positive ? neo_hookean::limitFactor(rest.mu, rest.lambda, F, pressed) : pressed;
+}
+
+double SolidPasses::boundStiffening(Index begin, Index end, const double* positions) const {
+  double largest = 0.0;
+  for (Index i = begin; i < end; ++i)
+    largest = std::max(largest, neo_hookean::boundStiffening(rest.mu, rest.lambda, fitGradient(i, positions)));
+  return largest;
 }
 
 void SolidPasses::prepareOne(StressLaw law, bool is_positive, Index i, const double* positions) {
@@ -397,11 +420,13 @@ Mat3 SolidPasses::findStress(StressLaw law, const Mat3& F) const {
     const Mat3 strain = 0.5 * (F + F.transpose()) - Mat3::Identity();
     return 2.0 * mu * strain + lambda * strain.trace() * Mat3::Identity();
   }
+  if (law == StressLaw::kNeoHookean) return neo_hookean::findStress(mu, lambda, F);
   const Mat3 R = findRotation(F);
   return 2.0 * mu * (F - R) + lambda * (R.cwiseProduct(F).sum() - 3.0) * R;
 }
 
 double SolidPasses::findDensity(StressLaw law, const Mat3& F) const {
+  if (law == StressLaw::kNeoHookean) return neo_hookean::findDensity(rest.mu, rest.lambda, F);
   const Mat3 R = law == StressLaw::kLinear ? Mat3(Mat3::Identity()) : findRotation(F);
   const Mat3 strain = law == StressLaw::kLinear ? Mat3(0.5 * (F + F.transpose()) - R) : Mat3(F - R);
   const double trace = R.cwiseProduct(strain).sum();
@@ -439,7 +464,7 @@ double SolidPasses::sumEnergy(StressLaw law, Index begin, Index end, const doubl
     const Index last = std::min(end, first + kEnergies);
     findEnergies(law, first, last, arrays, energies);
     for (Index i = first; i < last; ++i) {
-      const bool is_sound = std::isfinite(energies[i - first]) && !(law == StressLaw::kLinear && isDeficient(i));
+      const bool is_sound = std::isfinite(energies[i - first]) && !(missesDeficiency(law) && isDeficient(i));
       sum += is_sound ? energies[i - first] : findEnergy(law, i, positions);
     }
   }

@@ -13,7 +13,8 @@ enum class SolidDimension { kAuto, kPlanar, kVolume };
 enum class PlaneKind { kStress, kStrain };
 
 /// corotated: strain is measured against the local rotation. linear: small strain [as published]; rotations count as strain.
-enum class SolidLaw { kCorotated, kLinear };
+/// neo_hookean: as soft rubber and tissue, which stiffen as they are pressed together.
+enum class SolidLaw { kCorotated, kLinear, kNeoHookean };
 
 struct ElasticSolidParams {
   SolidDimension dimension = SolidDimension::kAuto;
@@ -31,8 +32,11 @@ inline void visit(Fields& fields, ElasticSolidParams& p) {
       "dimension of the body; `auto` = planar if the cloud lies in a plane, else volume. A planar solid moves only in its plane");
   fields.choice("plane", p.plane, {{"stress", PlaneKind::kStress}, {"strain", PlaneKind::kStrain}},
                 "of a planar solid: plane `stress` (a plate with the material's thickness) or plane `strain`");
-  fields.choice("law", p.law, {{"corotated", SolidLaw::kCorotated}, {"linear", SolidLaw::kLinear}},
-                "`linear` strain, as published, mistakes rotation for strain: 0.5 % at 6 degrees, 13 % at 30 degrees");
+  fields.choice(
+      "law", p.law,
+      {{"corotated", SolidLaw::kCorotated}, {"linear", SolidLaw::kLinear}, {"neo_hookean", SolidLaw::kNeoHookean}},
+      "stress of a strain; all agree for small ones. `neo_hookean`: as rubber and tissue, for strains above a tenth; not for plates. "
+      "`linear`, as published, mistakes rotation for strain: 0.5 % at 6 degrees, 13 % at 30 degrees");
   fields.number(
       "stabilization", p.stabilization, "", between(0.0, 10.0),
       "stabilisation stiffness over Young's modulus. It acts on point-to-point motions that the fitted strain does not include; "
@@ -43,7 +47,9 @@ inline void visit(Fields& fields, ElasticSolidParams& p) {
                  "found true for a planar solid; accepted: false, or dimension auto or volume");
   fields.section("plasticity", p.plasticity, "Plasticity.");
   fields.require(!p.plasticity.isOn() || p.law == SolidLaw::kCorotated, "plasticity.yield_stress",
-                 "found one with law: linear, which would take rotations for yield; accepted: 0, or law: corotated");
+                 std::string("found one with law: ") +
+                     (p.law == SolidLaw::kLinear ? "linear, which would take rotations for yield" : "neo_hookean") +
+                     "; accepted: 0, or law: corotated");
 }
 
 }  // namespace deformable_surface::model
