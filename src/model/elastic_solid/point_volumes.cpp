@@ -39,8 +39,9 @@ class Cutter {
   double cut();
   /// Cuts the cell by the hull of all neighbours.
   void cutOutside();
-  /// Whether the cell, whose corners lie so far away (m) and which no hull has cut, ends at neighbours all around.
-  bool isInner(double farthest) const { return farthest < kEmptySphere * (is_planar_ ? std::sqrt(volume_) : std::cbrt(volume_)); }
+  /// Whether the cell, whose corners lie so far away (m) and which no hull has cut, ends at neighbours all around. Points that are
+  /// farther away than the neighbours could not cut it either.
+  bool isInner(double farthest) const { return farthest < 0.5 * reach_; }
   /// Whether it lies at a gap: some place is nearest to it, among its neighbours, and yet farther than `empty`, m.
   bool findGaps(double empty);
   /// Removes the part of the cell in the gaps found, and between them and the body. False if it is negligible.
@@ -65,6 +66,7 @@ class Cutter {
   double volume_ = 0.0, height_ = 1.0;  // m^3, or m^2; m, of the prism, or 1
   Vec3 outside_ = Vec3::Zero();
   double reach_ = 0.0;      // m, how far neighbours are
+  double size_ = 0.0;       // m, what the cell is cut from
   Points beside_, around_;  // points that cut the cell, and points of the hull
   geometry::ConvexCell hull_, cell_, star_, part_;
   Points corners_;            // of the cell that no hull has cut
@@ -89,13 +91,13 @@ bool Cutter::moveTo(Index i) {
       around_.push_back(height * across_);
       beside_.push_back(height * across_);
     }
-    reach_ *= 2.0;
   }
+  size_ = (is_planar_ ? 2.0 : 1.0) * reach_;
   return true;
 }
 
 double Cutter::cut() {
-  cell_.reset(reach_);
+  cell_.reset(size_);
   for (const Vec3& p : beside_) cell_.cut(p, 0.5 * p.squaredNorm(), kBetween);
   double farthest = 0.0;
   for (const Vec3& corner : cell_.corners()) farthest = std::max(farthest, flatten(corner).norm());
@@ -109,7 +111,7 @@ void Cutter::cutOutside() {
   // The hull's facets are the corners of its dual about a point inside, { y : (p - middle) . y <= 1 for all p }.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : around) middle += p / static_cast<double>(around.size() + 1);
-  hull_.reset(1.0 / (kNearest * reach_));
+  hull_.reset(1.0 / (kNearest * size_));
   hull_.cut(-middle, 1.0);
   for (const Vec3& p : around) hull_.cut(p - middle, 1.0);
 
@@ -121,7 +123,7 @@ void Cutter::cutOutside() {
 // neighbours the point spans a Delaunay cell, which fills the directions in which its corner is the farthest of all. Spheres
 // in gaps are large: the body does not extend in their directions.
 bool Cutter::findGaps(double empty) {
-  const double infinite = reach_ / kNearest;
+  const double infinite = size_ / kNearest;
   star_.reset(infinite);
   for (const Vec3& p : beside_) star_.cut(p, 0.5 * p.squaredNorm());
   corners_.clear();
