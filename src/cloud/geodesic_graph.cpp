@@ -99,7 +99,7 @@ void collectLinks(const Lists& neighbors, const Keep& keep, GeodesicGraph& graph
 }  // namespace
 
 GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& sides, const Lists& neighbors,
-                                 const OrAuto<double>& geodesic_exponent, double min_gap) {
+                                 const OrAuto<double>& geodesic_exponent, double min_gap, bool of_body) {
   const Index n = neighbors.size();
   if (static_cast<Index>(positions.size()) != n || (!sides.normals.empty() && static_cast<Index>(sides.normals.size()) != n)) {
     throw InputError("buildGeodesicGraph: found " + std::to_string(positions.size()) + " positions, " +
@@ -136,7 +136,7 @@ GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& si
   }
 
   graph.cost_is_distance = true;
-  graph.trust_radius = findTrustRadii(positions, sides, neighbors);
+  graph.trust_radius = findTrustRadii(positions, sides, neighbors, of_body);
   const std::vector<double>& radius = graph.trust_radius;
   std::vector<double> reach(n, 0.0);  // m, of the lists
   parallelFor(n, kBlock, [&](Index begin, Index end) {

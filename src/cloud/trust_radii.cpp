@@ -51,6 +51,27 @@ constexpr double kCoverQuantile = 0.1;
 constexpr double kMaxCover = 2.0;
 // A link stretched more than this by its step off the plane does not count as surrounding.
 constexpr double kMaxCoverStretch = 2.0;  // of the squared length
+// In a body a neighbour surrounds a point if the nearest on the other side, within 37 degrees, is alike far away: at a gap it is
+// not.
+constexpr double kOtherSide = 0.8, kAlike = 1.4;
+// Neighbours surround it if each of these directions is within 60 degrees of one; of a cubic lattice's it is within 55.
+constexpr double kProbed = 0.5;
+const Vec3 kProbes[] = {{1, 0, 0},
+                        {-1, 0, 0},
+                        {0, 1, 0},
+                        {0, -1, 0},
+                        {0, 0, 1},
+                        {0, 0, -1},
+                        Vec3(1, 1, 1) / std::sqrt(3.0),
+                        Vec3(1, 1, -1) / std::sqrt(3.0),
+                        Vec3(1, -1, 1) / std::sqrt(3.0),
+                        Vec3(1, -1, -1) / std::sqrt(3.0),
+                        Vec3(-1, 1, 1) / std::sqrt(3.0),
+                        Vec3(-1, 1, -1) / std::sqrt(3.0),
+                        Vec3(-1, -1, 1) / std::sqrt(3.0),
+                        Vec3(-1, -1, -1) / std::sqrt(3.0)};
+// Over the spanning tree's length: below it, jitter explains the length at which points of a body are surrounded.
+constexpr double kDirectional = 1.25;
 // Around a point: as many as lie within two spacings.
 constexpr Index kAround = 12;
 // Links of a point that are offered to the spanning tree: a hexagon's.
@@ -149,6 +170,30 @@ float findSquaredCover(const Points& positions, const SurfaceSides& sides, const
   return std::numeric_limits<float>::infinity();
 }
 
+// The same in a body.
+float findSquaredCoverInSpace(const Points& positions, const Lists& neighbors, Index i) {
+  constexpr std::size_t kNumProbes = std::size(kProbes);
+  bool is_covered[kNumProbes] = {};
+  std::size_t num_covered = 0;
+  for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+    const Vec3 d = positions[*j] - positions[i];
+    const double length = d.norm();
+    const Index* other = std::find_if(neighbors.begin(i), neighbors.end(i), [&](Index k) {
+      const Vec3 e = positions[k] - positions[i];
+      return -d.dot(e) >= kOtherSide * length * e.norm();
+    });
+    if (other == neighbors.end(i)) continue;
+    const double opposite = (positions[*other] - positions[i]).norm();
+    if (opposite > kAlike * length || length > kAlike * opposite) continue;
+    for (std::size_t p = 0; p < kNumProbes; ++p) {
+      if (is_covered[p] || d.dot(kProbes[p]) < kProbed * length) continue;
+      is_covered[p] = true;
+      if (++num_covered == kNumProbes) return static_cast<float>(d.squaredNorm());
+    }
+  }
+  return std::numeric_limits<float>::infinity();
+}
+
 // The last of the first `count` in order. Overwrites values. For a few dozen, of which few are kept, insertion is faster than a
 // heap.
 template <class IsBefore>
@@ -181,7 +226,7 @@ double measureSquaredLength(const Points& positions, const SurfaceSides& sides, 
   return std::min(smooth, measureSquaredLength(d, sides.at_creases[i], sides.at_creases[j], sides.oriented));
 }
 
-std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {
+std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, bool of_body) {
   const Index n = neighbors.size();
   std::vector<float> squared_own(n);
   const std::vector<Link> tree = findSpanningTree(positions, sides, neighbors, squared_own);
@@ -206,10 +251,12 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
   std::vector<float> squared(offset[n]);
   forEnds([&](Index i, float length) { squared[place[i].fetch_add(1, std::memory_order_relaxed)] = length; });
 
-  std::vector<float> squared_cover(sides.normals.empty() ? 0 : n);
+  std::vector<float> squared_cover(sides.normals.empty() && !of_body ? 0 : n);
   parallelFor(static_cast<Index>(squared_cover.size()), kBlock, [&](Index begin, Index end) {
     WideGaps gaps(kCoverGap);
-    for (Index i = begin; i < end; ++i) squared_cover[i] = findSquaredCover(positions, sides, neighbors, i, gaps);
+    for (Index i = begin; i < end; ++i)
+      squared_cover[i] =
+          of_body ? findSquaredCoverInSpace(positions, neighbors, i) : findSquaredCover(positions, sides, neighbors, i, gaps);
   });
 
   std::vector<double> radius(n, 0.0);
@@ -228,7 +275,8 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
       if (squared_cover.empty()) continue;
       around.assign(1, squared_cover[i]);
       for (const Index* j = neighbors.begin(i); j != last; ++j) around.push_back(squared_cover[*j]);
-      const double cover = std::sqrt(findQuantile(around, kCoverQuantile));
+      double cover = std::sqrt(findQuantile(around, kCoverQuantile));
+      if (of_body) cover = cover > kDirectional * typical ? kTreeFactor * cover : 0.0;
       if (std::isfinite(cover)) radius[i] = std::max(from_tree, std::min(cover, kMaxCover * from_tree));
     }
   });

@@ -16,7 +16,8 @@ double measureSquaredLength(const Points& positions, const SurfaceSides& sides, 
 /// (n) m: the larger of two lengths around each point. A little more than the ninth decile of the minimum spanning tree's links
 /// there, or than the point's own second link, whichever is longer; and, with normals, the first decile of the lengths at which
 /// points are surrounded by neighbours, at most twice the first: a sampling that is denser in one direction is held together
-/// across it. Parallel; O(n k).
-std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors);
+/// across it. of_body: the same without normals, where neighbours surround points in space alike on both sides. Parallel; O(n k),
+/// of a body O(n k^2).
+std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, bool of_body);
 
 }  // namespace deformable_surface::cloud

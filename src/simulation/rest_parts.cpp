@@ -171,7 +171,7 @@ void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s) {
 std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors,
                                      RestSurface& s) {
   if (params.areEuclidean()) return {};
-  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesic_exponent);
+  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesic_exponent, 0.0, true);
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
   neighbors = std::move(found.lists);
   noteGaps(found, s);

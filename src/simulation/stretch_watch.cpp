@@ -88,7 +88,8 @@ std::string describeOverstretch(const Overstretch& over) {
   const std::string what = over.is_surface ? "the surface" : "the body";
   const std::string held = list(over.holders, "holds", "hold"), touched = list(over.pushers, "touches", "touch");
   const std::string told =
-      what + " is stretched by " + std::to_string(std::llround(100.0 * over.stretch)) + " % at " + formatPlace(over.place) + " m" +
+      what + " is stretched by " + std::to_string(std::llround(100.0 * over.stretch)) + " % at " + formatPlace(over.place) +
+      " m" +
       (over.has_law_for_it
            ? "; "
            : ": its material law is meant for small strains, and shape and forces there are not those of a material; ");

@@ -17,10 +17,8 @@ struct Variant {
 };
 
 const Variant kVariants[] = {
-    {"Corotated", model::SolidLaw::kCorotated, false},
-    {"Linear", model::SolidLaw::kLinear, false},
-    {"NeoHookean", model::SolidLaw::kNeoHookean, false},
-    {"CorotatedInAPlane", model::SolidLaw::kCorotated, true},
+    {"Corotated", model::SolidLaw::kCorotated, false},   {"Linear", model::SolidLaw::kLinear, false},
+    {"NeoHookean", model::SolidLaw::kNeoHookean, false}, {"CorotatedInAPlane", model::SolidLaw::kCorotated, true},
     {"LinearInAPlane", model::SolidLaw::kLinear, true},
 };
 

@@ -334,6 +334,19 @@ TEST(ElasticSolid, GivesPointsOfAThinPartNoStrainWhereNeighboursAreMissing) {
   }
 }
 
+// A point in front of a face, none of whose points has it among its six nearest.
+TEST(ElasticSolid, LinksWhatItsForcesHold) {
+  Points rest = makeBox(5, 5, 5, kSpacing);
+  rest.push_back(Vec3(2.0, 2.0, 5.5) * kSpacing);
+  const ElasticSolid solid = makeSolid(rest);
+  Points at = rest;
+  at.back().z() += 0.1 * kSpacing;
+  EXPECT_GT(forcesAt(solid, stateAt(at)).back().norm(), 1e-3 * 1e5 * kSpacing * kSpacing);
+  Index num_links = 0;
+  for (const auto& [i, j] : solid.stretchLinks()) num_links += j == 125;
+  EXPECT_EQ(num_links, 1);
+}
+
 TEST(ElasticSolid, GivesTheSameBitsForEveryNumberOfThreads) {
   const Points rest = makeBox(16, 9, 9, kSpacing, 0.3);  // several blocks, and a last group of four that is not full
   const State state = stateAt(perturb(mapAll(rest, someStrain()), 0.1 * kSpacing));

@@ -4,8 +4,8 @@
 #include "model_checks.h"
 #include "solids.h"
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 namespace deformable_surface::test {
 namespace {
@@ -35,7 +35,8 @@ Eigen::MatrixXd differentiateStress(double lambda, const Mat3& F) {
   return H;
 }
 
-// The same with another factor s of the second derivative of J, which is what the stress 0 F + J cof F has at mu = 0 beside cof cof.
+// The same with another factor s of the second derivative of J, which is what the stress 0 F + J cof F has at mu = 0 beside cof
+// cof.
 Eigen::MatrixXd replaceFactor(double lambda, const Mat3& F, double s) {
   const double before = law::findFactor(kMu, lambda, F.determinant());
   Mat3 g;
@@ -129,7 +130,8 @@ TEST(NeoHookean, HasTheEnergyOfLinearElasticityAtSmallStrains) {
   const Mat3 turn = Eigen::AngleAxisd(2.0, Vec3(1.0, 2.0, 2.0).normalized()).toRotationMatrix();
   Points at = rest;
   for (Vec3& p : at) p = turn * (p + strain.cwiseProduct(p));
-  const double expected = 6 * 4 * 4 * std::pow(kSpacing, 3) * (mu * strain.squaredNorm() + 0.5 * lambda * std::pow(strain.sum(), 2));
+  const double expected =
+      6 * 4 * 4 * std::pow(kSpacing, 3) * (mu * strain.squaredNorm() + 0.5 * lambda * std::pow(strain.sum(), 2));
   EXPECT_NEAR(solid.elasticEnergy(stateAt(at)), expected, 1e-5 * expected);
 }
 

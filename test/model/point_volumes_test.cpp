@@ -61,6 +61,22 @@ TEST(PointVolumes, AroundFewerPointsSumToTheVolumeOfAll) {
   }
 }
 
+// Lists that end at a layer, as at a gap: the cell must not reach as far as the neighbours on the other sides.
+TEST(PointVolumes, AroundPointsDoNotReachBeyondAllNeighbours) {
+  const Points box = makeBox(9, 9, 9, 0.1);
+  const Lists all = cloud::nearestNeighbors(box, 32);
+  Lists below;
+  std::vector<Index> owner;
+  for (Index i = 0; i < all.size(); ++i) {
+    for (const Index* j = all.begin(i); j != all.end(i); ++j)
+      if (box[*j].z() < box[i].z() + 0.05) below.items.push_back(*j);
+    below.offsets.push_back(static_cast<Index>(below.items.size()));
+    owner.push_back(i);
+  }
+  const std::vector<double> around = model::measureAround(box, below, Vec3::Zero(), owner, all.size());
+  for (Index i = 0; i < all.size(); ++i) EXPECT_LT(around[i], 1.01e-3) << box[i].transpose();
+}
+
 TEST(PointVolumes, AreFilledToTheDegreeOfTheirNeighbourhood) {
   Lists neighbors;
   for (const Index other : {1, 0, 3, 2}) {

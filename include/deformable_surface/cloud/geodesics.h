@@ -38,9 +38,10 @@ struct GeodesicGraph {
 
 /// neighbors: of every point, nearest first; a pair is linked if either lists the other. Links that no chosen path can use
 /// within the reach of the lists are omitted. min_gap: m, for geodesic_exponent auto: links up to this length in space are
-/// trusted. Throws InputError if sizes do not fit or geodesic_exponent is below 1. Parallel; O(n k log n).
+/// trusted. of_body: the points fill a body, which may be sampled up to twice as densely in one direction as in another. Throws
+/// InputError if sizes do not fit or geodesic_exponent is below 1. Parallel; O(n k log n).
 GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& sides, const Lists& neighbors,
-                                 const OrAuto<double>& geodesic_exponent, double min_gap = 0.0);
+                                 const OrAuto<double>& geodesic_exponent, double min_gap = 0.0, bool of_body = false);
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 

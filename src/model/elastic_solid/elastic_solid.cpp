@@ -1,5 +1,6 @@
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
 
+#include "deformable_surface/base/disjoint_sets.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/linear/lanczos.h"
 #include "deformable_surface/model/elastic_solid/point_volumes.h"
@@ -115,11 +116,23 @@ ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std
       const Index* end = neighbors.begin(*j) + std::min(kLinks, neighbors.count(*j));
       if (!(i < *j) || std::find(neighbors.begin(*j), end, i) == end) continue;
       links_.emplace_back(i, *j);
-      lengths_.push_back((rest[*j] - rest[i]).norm());
     }
+  joinLinks();
+  for (const auto& [i, j] : links_) lengths_.push_back((rest[j] - rest[i]).norm());
   findRowBounds();
   findCouplings();
   boundStableStep();
+}
+
+// A point beside a denser part may be among nobody's nearest, though forces hold it.
+void ElasticSolid::joinLinks() {
+  std::vector<Index> sets;
+  makeSingleSets(passes_.size(), sets);
+  for (const auto& [i, j] : links_) joinSets(sets, i, j);
+  const Lists& pairs = passes_.rest.fit.pairs;
+  for (Index i = 0; i < passes_.size(); ++i)
+    for (const Index* j = pairs.begin(i); j != pairs.end(i); ++j)
+      if (joinSets(sets, i, *j)) links_.emplace_back(std::min(i, *j), std::max(i, *j));
 }
 
 void ElasticSolid::beginAtRest(State& state) {
@@ -250,7 +263,8 @@ void ElasticSolid::prepareStiffness(const State& state, Hessian hessian) const {
 void ElasticSolid::addStiffnessProduct(const Points& v, Points& product) const {
   positions_.assign(v);
   product_.assign(v.size(), Vec3::Zero());
-  addPassForces(law_ == StressLaw::kNeoHookean ? StressLaw::kNeoHookeanTangent : StressLaw::kTangent, positions_.data(), product_);
+  addPassForces(law_ == StressLaw::kNeoHookean ? StressLaw::kNeoHookeanTangent : StressLaw::kTangent, positions_.data(),
+                product_);
   for (std::size_t i = 0; i < v.size(); ++i) product[i] -= product_[i];
 }
 

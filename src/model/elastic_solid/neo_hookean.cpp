@@ -1,6 +1,6 @@
-// The second derivative of psi is mu I + (lambda + mu) g g^T + s H, g = cof F, H the second derivative of J. With the singular values
-// d1 >= d2 >= |d3| of F, the last with the sign of J, H has the eigenvalues +-d1, +-d2, +-d3 for motions in pairs of axes, and for
-// stretches along the axes those of [0 d3 d2; d3 0 d1; d2 d1 0], the roots of x^3 - |F|^2 x - 2 J [Smith et al. 2018].
+// The second derivative of psi is mu I + (lambda + mu) g g^T + s H, g = cof F, H the second derivative of J. With the singular
+// values d1 >= d2 >= |d3| of F, the last with the sign of J, H has the eigenvalues +-d1, +-d2, +-d3 for motions in pairs of axes,
+// and for stretches along the axes those of [0 d3 d2; d3 0 d1; d2 d1 0], the roots of x^3 - |F|^2 x - 2 J [Smith et al. 2018].
 #include "neo_hookean.h"
 
 #include <Eigen/Eigenvalues>
@@ -65,8 +65,8 @@ double limitFactor(double mu, double lambda, const Mat3& F, double s) {
   return std::clamp(s, -least, least);
 }
 
-// Three kinds of motions: those that keep the volume; those along g, which is nearly an eigenvector, so that what it exchanges with
-// others is added; and waves, a n^T, for which H is zero.
+// Three kinds of motions: those that keep the volume; those along g, which is nearly an eigenvector, so that what it exchanges
+// with others is added; and waves, a n^T, for which H is zero.
 double boundStiffening(double mu, double lambda, const Mat3& F) {
   const double J = F.determinant(), square = F.squaredNorm(), s = findFactor(mu, lambda, J);
   const Mat3 C = F.transpose() * F, CC = C * C;

@@ -1,5 +1,5 @@
-// The neo-Hookean law of one point (StressLaw::kNeoHookean), where four points side by side do not pay. s is the factor of cof F in
-// its stress.
+// The neo-Hookean law of one point (StressLaw::kNeoHookean), where four points side by side do not pay. s is the factor of cof F
+// in its stress.
 #pragma once
 
 #include "deformable_surface/base/types.h"

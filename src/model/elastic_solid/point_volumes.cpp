@@ -39,8 +39,8 @@ class Cutter {
   double cut();
   /// Cuts the cell by the hull of all neighbours.
   void cutOutside();
-  /// Whether the cell, whose corners lie so far away (m) and which no hull has cut, ends at neighbours all around. Points that are
-  /// farther away than the neighbours could not cut it either.
+  /// Whether the cell, whose corners lie so far away (m) and which no hull has cut, ends at neighbours all around. Points that
+  /// are farther away than the neighbours could not cut it either.
   bool isInner(double farthest) const { return farthest < 0.5 * reach_; }
   /// Whether it lies at a gap: some place is nearest to it, among its neighbours, and yet farther than `empty`, m.
   bool findGaps(double empty);

@@ -188,7 +188,8 @@ DEFORMABLE_SURFACE_INLINE void findNeoHookeanTangentStresses(double mu, double l
     const int s = (r + 1) % 3, t = (r + 2) % 3;
     for (int c = 0; c < 3; ++c) {
       const int d = (c + 1) % 3, e = (c + 2) % 3;
-      const Double4 turned = F.at[s][d] * A.at[t][e] + A.at[s][d] * F.at[t][e] - F.at[s][e] * A.at[t][d] - A.at[s][e] * F.at[t][d];
+      const Double4 turned =
+          F.at[s][d] * A.at[t][e] + A.at[s][d] * F.at[t][e] - F.at[s][e] * A.at[t][d] - A.at[s][e] * F.at[t][d];
       P.at[r][c] = mu * F.at[r][c] + change * C.at[r][c] + pressed * turned;
     }
   }

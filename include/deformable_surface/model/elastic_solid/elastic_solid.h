@@ -51,8 +51,8 @@ class ElasticSolid : public DeformableModel,
   bool flow(double dt, State& state);
   void addForces(const State& state, Points& forces) const override;
   double elasticEnergy(const State& state) const override;
-  /// The stable step of the body at rest, with a stiffness that bounds that of most states (StressLaw::kBound). Of the state plastic
-  /// flow counts, which may shorten lengths and so raise frequencies, and by the neo-Hookean law its stiffening.
+  /// The stable step of the body at rest, with a stiffness that bounds that of most states (StressLaw::kBound). Of the state
+  /// plastic flow counts, which may shorten lengths and so raise frequencies, and by the neo-Hookean law its stiffening.
   double findStableStep(const State& state) const override;
   void prepareStiffness(const State& state, Hessian hessian) const override;
   void addStiffnessProduct(const Points& v, Points& product) const override;
@@ -67,7 +67,7 @@ class ElasticSolid : public DeformableModel,
   void computePointStrain(const State& state, std::vector<double>& strain) const override;
   /// Of the Cauchy stress P F^T / det F; by the linear law of P.
   void computePointStress(const State& state, std::vector<double>& stress) const override;
-  /// Links between points that are both among each other's nearest: for display.
+  /// Links between points that are both among each other's nearest, and others that join what forces join.
   const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return links_; }
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
 
@@ -84,6 +84,7 @@ class ElasticSolid : public DeformableModel,
 
  private:
   explicit ElasticSolid(SolidRest rest);  // the rest is to be filled in
+  void joinLinks();
   void findRowBounds();
   void findCouplings();
   double stretchOf(std::size_t link, const State& state) const;

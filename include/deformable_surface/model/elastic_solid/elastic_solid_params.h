@@ -32,11 +32,11 @@ inline void visit(Fields& fields, ElasticSolidParams& p) {
       "dimension of the body; `auto` = planar if the cloud lies in a plane, else volume. A planar solid moves only in its plane");
   fields.choice("plane", p.plane, {{"stress", PlaneKind::kStress}, {"strain", PlaneKind::kStrain}},
                 "of a planar solid: plane `stress` (a plate with the material's thickness) or plane `strain`");
-  fields.choice(
-      "law", p.law,
-      {{"corotated", SolidLaw::kCorotated}, {"linear", SolidLaw::kLinear}, {"neo_hookean", SolidLaw::kNeoHookean}},
-      "stress of a strain; all agree for small ones. `neo_hookean`: as rubber and tissue, for strains above a tenth; not for plates. "
-      "`linear`, as published, mistakes rotation for strain: 0.5 % at 6 degrees, 13 % at 30 degrees");
+  fields.choice("law", p.law,
+                {{"corotated", SolidLaw::kCorotated}, {"linear", SolidLaw::kLinear}, {"neo_hookean", SolidLaw::kNeoHookean}},
+                "stress of a strain; all agree for small ones. `neo_hookean`: as rubber and tissue, for strains above a tenth; "
+                "not for plates. "
+                "`linear`, as published, mistakes rotation for strain: 0.5 % at 6 degrees, 13 % at 30 degrees");
   fields.number(
       "stabilization", p.stabilization, "", between(0.0, 10.0),
       "stabilisation stiffness over Young's modulus. It acts on point-to-point motions that the fitted strain does not include; "

@@ -84,7 +84,8 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
         "cloud: its " +
         count(n,
               "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane, and with "
-              "elastic_solid.fill: true those of a closed surface"));
+              "elastic_solid.fill: true those of a closed surface (if they are layers of a body, farther apart than the points "
+              "along them: neighbors.geodesic_exponent: 1)"));
   return Vec3::Zero();
 }
 
