@@ -51,10 +51,11 @@ constexpr double kCoverQuantile = 0.1;
 constexpr double kMaxCover = 2.0;
 // A link stretched more than this by its step off the plane does not count as surrounding.
 constexpr double kMaxCoverStretch = 2.0;  // of the squared length
-// In a body a neighbour surrounds a point if the nearest on the other side, within 37 degrees, is alike far away: at a gap it is
-// not.
+// In a body: how much farther than the nearest on the other side, within 37 degrees, a neighbour may be. Beyond a gap it is
+// farther.
 constexpr double kOtherSide = 0.8, kAlike = 1.4;
-// Neighbours surround it if each of these directions is within 60 degrees of one; of a cubic lattice's it is within 55.
+// Neighbours surround a point of a body if each of these directions is within 60 degrees of one; of a cubic lattice's it is
+// within 55.
 constexpr double kProbed = 0.5;
 const Vec3 kProbes[] = {{1, 0, 0},
                         {-1, 0, 0},
@@ -170,7 +171,7 @@ float findSquaredCover(const Points& positions, const SurfaceSides& sides, const
   return std::numeric_limits<float>::infinity();
 }
 
-// The same in a body.
+// The same in a body; infinite, too, if the last neighbour lies beyond a gap: the nearest on the other side is much nearer.
 float findSquaredCoverInSpace(const Points& positions, const Lists& neighbors, Index i) {
   constexpr std::size_t kNumProbes = std::size(kProbes);
   bool is_covered[kNumProbes] = {};
@@ -178,18 +179,19 @@ float findSquaredCoverInSpace(const Points& positions, const Lists& neighbors, I
   for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
     const Vec3 d = positions[*j] - positions[i];
     const double length = d.norm();
-    const Index* other = std::find_if(neighbors.begin(i), neighbors.end(i), [&](Index k) {
-      const Vec3 e = positions[k] - positions[i];
-      return -d.dot(e) >= kOtherSide * length * e.norm();
-    });
-    if (other == neighbors.end(i)) continue;
-    const double opposite = (positions[*other] - positions[i]).norm();
-    if (opposite > kAlike * length || length > kAlike * opposite) continue;
     for (std::size_t p = 0; p < kNumProbes; ++p) {
       if (is_covered[p] || d.dot(kProbes[p]) < kProbed * length) continue;
       is_covered[p] = true;
-      if (++num_covered == kNumProbes) return static_cast<float>(d.squaredNorm());
+      ++num_covered;
     }
+    if (num_covered < kNumProbes) continue;
+    for (const Index* k = neighbors.begin(i); k != j; ++k) {
+      const Vec3 e = positions[*k] - positions[i];
+      if (-d.dot(e) < kOtherSide * length * e.norm()) continue;
+      if (length > kAlike * e.norm()) return std::numeric_limits<float>::infinity();
+      break;
+    }
+    return static_cast<float>(length * length);
   }
   return std::numeric_limits<float>::infinity();
 }
