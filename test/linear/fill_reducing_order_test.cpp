@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <iterator>
 
 namespace deformable_surface {
 namespace {
@@ -38,6 +41,25 @@ TEST(FillReducingOrder, OfALargeMatrixEndsWithTheInterrupt) {
   std::atomic<bool> flag{true};
   const InterruptScope scope(flag);
   EXPECT_THROW(findFillReducingOrder(makeGrid(60)), Interrupted);
+}
+
+std::ptrdiff_t countThreads() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/task"), std::filesystem::directory_iterator());
+}
+
+// The ordering takes longer than the first wait for it, and goes on after the interrupt.
+TEST(FillReducingOrder, FewGoOnAfterTheyWereInterrupted) {
+  const std::ptrdiff_t before = countThreads();
+  for (int k = 0; k < 6; ++k) {
+    std::atomic<bool> flag{false};
+    const InterruptScope scope(flag);
+    const LookCounter counter(flag, 2);
+    EXPECT_THROW(findFillReducingOrder(makeGrid(400)), Interrupted);
+  }
+  EXPECT_LE(countThreads() - before, 2);
+  std::atomic<bool> flag{false};
+  const InterruptScope scope(flag);
+  EXPECT_EQ(findFillReducingOrder(makeGrid(60)), findFillReducingOrder(makeGrid(60)));
 }
 
 }  // namespace
