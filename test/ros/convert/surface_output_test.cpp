@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <sstream>
+#include <string>
+#include <type_traits>
 
 namespace deformable_surface::node {
 namespace {
@@ -43,6 +46,36 @@ TEST(EncodeStatistics, FillsOldNamesAsTheNewOnes) {
   EXPECT_EQ(message.track_residual, 0.25);
   EXPECT_EQ(message.tracked_points, 3u);
   EXPECT_EQ(message.track_points, 3u);
+}
+
+// The fields of the core and those of the message have the same names, so that a text of the message shows each value behind
+// its name.
+TEST(EncodeStatistics, CopiesEveryField) {
+  simulation::Statistics statistics;
+  double next = 1.0;
+  visitFields(statistics, [&](const std::string&, const auto& value) {
+    using Field = std::decay_t<decltype(value)>;
+    auto& field = const_cast<Field&>(value);
+    if constexpr (std::is_arithmetic<Field>::value)
+      field = static_cast<Field>(next++);  // of a flag: true
+    else
+      field = {"a stage"};
+  });
+  Statistics message;
+  encodeStatistics(statistics, {}, message);
+  std::ostringstream text;
+  text << message;
+  visitFields(statistics, [&](const std::string& name, const auto& value) {
+    using Field = std::decay_t<decltype(value)>;
+    std::ostringstream line;
+    if constexpr (std::is_same<Field, bool>::value)
+      line << "\n" << name << ": " << static_cast<int>(value) << "\n";
+    else if constexpr (std::is_arithmetic<Field>::value)
+      line << "\n" << name << ": " << value << "\n";
+    else
+      line << "\n" << name << "[]\n  " << name << "[0]: " << value.at(0) << "\n";
+    EXPECT_NE(text.str().find(line.str()), std::string::npos) << line.str();
+  });
 }
 
 }  // namespace
