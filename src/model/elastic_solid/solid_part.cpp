@@ -2,6 +2,8 @@
 // part.
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
 
+#include "deformable_surface/base/marks.h"
+
 namespace deformable_surface::model {
 namespace {
 
@@ -9,12 +11,10 @@ namespace {
 template <class Visit>
 void forEachFit(const std::vector<Index>& points, const Lists& pairs, Visit&& visit) {
   // Kept by the thread: later calls allocate nothing.
-  static thread_local std::vector<char> is_seen;
-  is_seen.assign(pairs.size(), 0);
+  static thread_local Marks seen;
+  seen.begin(pairs.size());
   const auto see = [&](Index i) {
-    if (is_seen[i]) return;
-    is_seen[i] = 1;
-    visit(i);
+    if (seen.take(i)) visit(i);
   };
   for (const Index i : points) {
     see(i);

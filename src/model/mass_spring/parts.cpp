@@ -2,6 +2,7 @@
 // costs only the part, and every force is as in the whole.
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 
+#include "deformable_surface/base/marks.h"
 #include "deformable_surface/model/mass_spring/incidence.h"
 
 namespace deformable_surface::model {
@@ -66,18 +67,13 @@ TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
 
 void CurvatureBending::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
   if (neighbors_.size() == 0) return;
-  // Each fit once, though all its points use it. Kept by the thread, so that later calls allocate nothing, and clear
-  // between them.
-  static thread_local std::vector<char> is_seen;
-  static thread_local std::vector<Index> seen;
-  if (is_seen.size() < static_cast<std::size_t>(neighbors_.size())) is_seen.resize(neighbors_.size(), 0);
-  seen.reserve(neighbors_.size());
+  // Each fit once, though all its points use it. Kept by the thread: later calls allocate nothing.
+  static thread_local Marks seen;
+  seen.begin(neighbors_.size());
   const auto markFitsOf = [&](Index i) {
     for (Index k = loop_.users().offsets[i]; k < loop_.users().offsets[i + 1]; k += 2) {
       const Index fit = loop_.fitOf(k);
-      if (is_seen[fit]) continue;
-      is_seen[fit] = 1;
-      seen.push_back(fit);
+      if (!seen.take(fit)) continue;
       for (const Index* j = neighbors_.begin(fit); j != neighbors_.end(fit); ++j) {
         if (*j < numPoints())
           marked[*j] = 1;
@@ -90,8 +86,6 @@ void CurvatureBending::markPartners(const std::vector<Index>& points, std::vecto
     markFitsOf(i);
     for (auto rider = firstRider(i); rider != riders_.end() && rider->first == i; ++rider) markFitsOf(rider->second);
   }
-  for (const Index fit : seen) is_seen[fit] = 0;
-  seen.clear();
 }
 
 CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
