@@ -338,22 +338,23 @@ void BlockCholesky::solveInPlace(Eigen::VectorXd& x) {
   const Index n = static_cast<Index>(position_.size());
   for (Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) permuted_[3 * position_[i] + k] = x[3 * i + k];
-  const auto move = [&](const Node& node, Index count, bool out) {
+  const auto gather = [&](const Node& node) {
+    for (Index r = 0; r < node.num_rows; ++r)
+      for (int k = 0; k < 3; ++k) local_[3 * r + k] = permuted_[3 * rows_[node.rows + r] + k];
+  };
+  const auto scatter = [&](const Node& node, Index count) {
     for (Index r = 0; r < count; ++r)
-      for (int k = 0; k < 3; ++k) {
-        double &inside = local_[3 * r + k], &outside = permuted_[3 * rows_[node.rows + r] + k];
-        (out ? outside : inside) = out ? inside : outside;
-      }
+      for (int k = 0; k < 3; ++k) permuted_[3 * rows_[node.rows + r] + k] = local_[3 * r + k];
   };
   for (const Node& node : nodes_) {
-    move(node, node.num_rows, false);
+    gather(node);
     substituteForward(3 * node.width, 3 * node.num_rows, &factor_[node.panel], node.stride, local_.data());
-    move(node, node.num_rows, true);
+    scatter(node, node.num_rows);
   }
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
-    move(*node, node->num_rows, false);
+    gather(*node);
     substituteBackward(3 * node->width, 3 * node->num_rows, &factor_[node->panel], node->stride, local_.data());
-    move(*node, node->width, true);
+    scatter(*node, node->width);
   }
   for (Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) x[3 * i + k] = permuted_[3 * position_[i] + k];
