@@ -44,8 +44,7 @@ void listMoments(const ToolParams& tool, double time, double step, std::vector<M
     from = corner;
   };
   add(time);
-  for (const tool::WaypointParams& w : tool.path)
-    if (w.time > time && w.time < time + step) goTo(w.time);
+  tool::forEachCorner(tool.path, time, time + step, goTo);
   goTo(time + step);
   moments.back() = {1.0, tool::interpolate(tool.path, time + step)};
 }

@@ -30,8 +30,8 @@ double findPassage(const ToolParams& tool, double time, double step, double slip
   const double smallest = geometry::findSmallestExtent(tool.shape);
   if (tool.shape.kind != geometry::Solid::Kind::kBox) return smallest;
   const Pose first = interpolate(tool.path, time), last = interpolate(tool.path, time + step);
-  const bool has_corner = std::any_of(tool.path.begin(), tool.path.end(),
-                                      [&](const WaypointParams& w) { return w.time > time && w.time < time + step; });
+  bool has_corner = false;
+  forEachCorner(tool.path, time, time + step, [&](double) { has_corner = true; });
   const Vec3 way = first.orientation.conjugate() * (last.position - first.position);
   if (has_corner || first.orientation.coeffs() != last.orientation.coeffs() || !(way.norm() > slip)) return smallest;
   double least = std::numeric_limits<double>::infinity();
@@ -72,8 +72,7 @@ BladeSweep::BladeSweep(const ToolParams& tool, double time, double step, const P
   const Pose last = interpolate(tool.path, time + step);
   // A path with corners or rotation is longer than the distance between its ends.
   double longer = 1.0;
-  for (const WaypointParams& w : tool.path)
-    if (w.time > time && w.time < time + step) longer += 1.0;
+  forEachCorner(tool.path, time, time + step, [&](double) { longer += 1.0; });
   bool is_near = false;
   for (std::size_t i = 0; i < before.size(); ++i) {
     const Vec3 from = toTool(first_, before[i]), to = toTool(last, after[i]);
@@ -108,8 +107,7 @@ void BladeSweep::addPieces() {
     from = to;
     first = next;
   };
-  for (const WaypointParams& w : tool_.path)
-    if (w.time > time_ && w.time < time_ + step_) add(w.time, firstFrom(w.time));
+  forEachCorner(tool_.path, time_, time_ + step_, [&](double corner) { add(corner, firstFrom(corner)); });
   add(time_ + step_, num_looks_ + 1);
 }
 

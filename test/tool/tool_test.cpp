@@ -21,6 +21,14 @@ TEST(Tool, MovesStraightAndTurnsEvenlyBetweenWaypointsAndRestsOutside) {
   EXPECT_NEAR(std::atan2(x.y(), x.x()), M_PI / 8.0, 1e-12);
 }
 
+TEST(Tool, CornersOfAPathLieStrictlyBetweenTwoTimes) {
+  std::vector<tool::WaypointParams> path;
+  for (const double time : {0.0, 1.0, 1.5, 2.0}) path.push_back({time, Vec3::Zero()});
+  std::vector<double> corners;
+  tool::forEachCorner(path, 0.0, 2.0, [&](double time) { corners.push_back(time); });
+  EXPECT_EQ(corners, (std::vector<double>{1.0, 1.5}));
+}
+
 TEST(Tool, DistancesFollowThePose) {
   geometry::Solid box;
   box.kind = geometry::Solid::Kind::kBox;

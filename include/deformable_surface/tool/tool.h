@@ -16,6 +16,13 @@ struct Pose {
 /// Linear interpolation of positions and spherical of orientations between waypoints; constant outside of the path.
 Pose interpolate(const std::vector<WaypointParams>& path, double time);
 
+/// Calls visit(time) at each corner of the path strictly between two times.
+template <class Visit>
+void forEachCorner(const std::vector<WaypointParams>& path, double begin, double end, const Visit& visit) {
+  for (const WaypointParams& w : path)
+    if (w.time > begin && w.time < end) visit(w.time);
+}
+
 /// Motion of a rigid tool: gives the velocity of any point fixed to it.
 struct Motion {
   Vec3 origin = Vec3::Zero();            // m, of the tool, world

@@ -53,8 +53,7 @@ std::vector<ThinBlade> findBlades(const ToolParams& knife, double time, double s
 
   // From corner to corner of the way.
   std::vector<double> times{time};
-  for (const tool::WaypointParams& w : knife.path)
-    if (w.time > time && w.time < time + step) times.push_back(w.time);
+  tool::forEachCorner(knife.path, time, time + step, [&](double corner) { times.push_back(corner); });
   times.push_back(time + step);
   for (std::size_t part = 0; part + 1 < times.size(); ++part) {
     const double begin = times[part], end = times[part + 1], from = (begin - time) / step, to = (end - time) / step;
