@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "parts.h"
+#include "quantities.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -102,14 +103,14 @@ std::optional<double> findFittedQuantity(const std::string& name, const Simulati
   return std::nullopt;
 }
 
-// All particles may be gone: counts are then 0, measurements do not exist.
-void requirePoints(const std::string& name, Index points) {
-  static const char* const kCounts[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "added", "removed"};
-  if (std::find(std::begin(kCounts), std::end(kCounts), name) != std::end(kCounts)) return;
-  const Index least = name.rfind("spacing", 0) == 0 ? 2 : 1;
-  if (points < least)
-    throw InputError(name + ": found " + std::to_string(points) + " simulation points; accepted: at least " +
-                     std::to_string(least));
+void require(const std::string& name, const Simulation& simulation) {
+  const Quantity* const quantity = findQuantity(name);
+  if (!quantity) throw InputError("expect: found the quantity " + quote(name) + "; accepted: those listed in docs/parameters.md");
+  if (quantity->needs_particles && !findModel(simulation.params().model).traits().has_population)
+    throw InputError(name + ": found a model without particles; accepted: model: " + listModels(&ModelTraits::has_population));
+  if (simulation.state().size() < quantity->least_points)
+    throw InputError(name + ": found " + std::to_string(simulation.state().size()) + " simulation points; accepted: at least " +
+                     std::to_string(quantity->least_points));
 }
 
 // Of the solid tools that there are now: the distances of the simulation points from the nearest, m.
@@ -125,15 +126,6 @@ std::optional<double> findLinkQuantity(const std::string& name, const Simulation
   const Parts parts = findParts(simulation.state().size(), stretchLinksOf(simulation.model()));
   const std::ptrdiff_t isolated = std::count(parts.size.begin(), parts.size.end(), 1);
   return static_cast<double>(name == "isolated" ? isolated : parts.count() - isolated);
-}
-
-// Quantities that only some models have.
-void refuseOthers(const std::string& name) {
-  static const char* const kNames[] = {
-      "boundary_loops", "euler_characteristic", "spacing_mean", "spacing_cv",         "spacing_max",       "added",
-      "removed",        "principal_angle_mean", "touching",     "guide_distance_max", "guide_distance_rms"};
-  if (std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames))
-    throw InputError(name + ": found a model without particles; accepted: model: " + listModels(&ModelTraits::has_population));
 }
 
 }  // namespace
@@ -154,7 +146,7 @@ std::vector<double> findToolDistances(const std::string& name, const Simulation&
 
 double computeQuantity(const std::string& name, Simulation& simulation) {
   if (const std::optional<double> statistic = findStatistic(name, simulation.statistics())) return *statistic;
-  requirePoints(name, simulation.state().size());
+  require(name, simulation);
   if (name == "volume_ratio") return computeVolumeRatio(simulation);
   if (name == "plastic_dissipation") return simulation.state().dissipated;
 
@@ -163,7 +155,6 @@ double computeQuantity(const std::string& name, Simulation& simulation) {
   if (const std::optional<double> contact = findContactQuantity(name, simulation)) return *contact;
   if (const std::optional<double> own = findModel(simulation.params().model).findQuantity(name, simulation)) return *own;
   if (const std::optional<double> linked = findLinkQuantity(name, simulation)) return *linked;
-  refuseOthers(name);
 
   const Surface& surface = simulation.surface(false);
   double max_displacement = 0.0, sum = 0.0, sum_of_squares = 0.0, count = 0.0;
@@ -182,12 +173,8 @@ double computeQuantity(const std::string& name, Simulation& simulation) {
   if (name == "max_displacement") return max_displacement;
   if (name == "mean_displacement") return sum / count;
   if (name == "rms_displacement") return std::sqrt(sum_of_squares / count);
-  for (int axis = 0; axis < 3; ++axis) {
-    const char letter = "xyz"[axis];
-    if (name == std::string("min_") + letter) return low[axis];
-    if (name == std::string("max_") + letter) return high[axis];
-  }
-  throw InputError("expect: found the quantity " + quote(name) + "; accepted: those listed in docs/parameters.md");
+  const int axis = name.back() - 'x';  // min_x to max_z
+  return name.rfind("min_", 0) == 0 ? low[axis] : high[axis];
 }
 
 std::vector<std::string> checkExpectations(Simulation& simulation) {

@@ -72,16 +72,12 @@ std::optional<double> findParticleQuantity(const std::string& name, const model:
                                            const Simulation& simulation) {
   if (name.rfind("guide_distance", 0) == 0) return measureGuideDistance(name, simulation);
   if (name == "touching") return countTouching(particles, simulation);
-  static const char* const kNames[] = {"components",   "boundary_loops",      "euler_characteristic", "isolated",
-                                       "spacing_mean", "spacing_cv",          "spacing_max",          "added",
-                                       "removed",      "principal_angle_mean"};
-  if (std::find(std::begin(kNames), std::end(kNames), name) == std::end(kNames)) return std::nullopt;
   const model::State& state = simulation.state();
   const Index first = simulation.numFirst();
   if (name == "added") return state.next_id - first;
   if (name == "removed") return state.next_id - state.size();
   if (name == "principal_angle_mean") return measurePrincipalAngle(particles, state);
-  if (name.rfind("spacing", 0) == 0) {
+  if (name.rfind("spacing_", 0) == 0) {
     double sum = 0.0, squares = 0.0, largest = 0.0;
     const Lists nearest = cloud::nearestNeighbors(state.positions, 1);
     for (Index i = 0; i < nearest.size(); ++i) {
@@ -94,6 +90,8 @@ std::optional<double> findParticleQuantity(const std::string& name, const model:
     if (name == "spacing_mean") return mean;
     return name == "spacing_max" ? largest : std::sqrt(std::max(0.0, squares / n - mean * mean)) / mean;
   }
+  if (name != "components" && name != "isolated" && name != "boundary_loops" && name != "euler_characteristic")
+    return std::nullopt;
   particles.refreshDisplay(state);
   const bool chains = particles.params().mode == model::ParticleMode::kPlane;
   const model::ParticleTopology topology = chains ? model::measureTopology(state.size(), particles.stretchLinks())
