@@ -97,7 +97,8 @@ void ErrorEstimator::forEachCopy(const Visit& visit) {
     if (copy) visit(*copy);
 }
 
-ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params().integrator.time_step) {
+ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) {
+  step_ = dynamics.params().integrator.time_step;
   const SceneParams& params = dynamics.params();
   const RestSurface& level = dynamics.rest();
   const Index num_full = static_cast<Index>(level.dense.positions.size());
@@ -142,26 +143,11 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
 }
 
 ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
-    : is_body_(other.is_body_),
-      is_simplified_(other.is_simplified_),
-      has_hinged_pins_(other.has_hinged_pins_),
-      is_calibrated_(other.is_calibrated_),
-      is_local_(other.is_local_),
-      watched_(other.watched_),
-      unresolved_(other.unresolved_),
-      step_(other.step_),
-      disturbance_(other.disturbance_),
-      spacing_(other.spacing_),
-      level_spacing_(other.level_spacing_),
-      common_(other.common_),
-      refine_(other.refine_),
+    : CopiedEstimate(other),
       shadow_(other.shadow_->fork()),
       twin_(other.twin_->fork()),
       verlet_(other.verlet_ ? other.verlet_->fork() : nullptr),
-      dents_(other.dents_),
-      depth_(other.depth_ ? std::make_unique<ToolDepth>(*other.depth_) : nullptr),
-      seen_(other.seen_),
-      coarse_now_(other.coarse_now_) {}
+      depth_(other.depth_ ? std::make_unique<ToolDepth>(*other.depth_) : nullptr) {}
 
 void ErrorEstimator::reset() {
   forEachCopy([](Dynamics& copy) { copy.reset(); });

@@ -17,8 +17,52 @@ namespace deformable_surface::simulation {
 /// times the sum is.
 constexpr double kUnboundedFactor = 2.0;
 
+/// What forks of an estimator copy as it is.
+class CopiedEstimate {
+ protected:
+  // Observations since the last reset.
+  struct Seen {
+    double space = 0.0, transfer = 0.0, time = 0.0;  // m
+    double twin_distance = 0.0;                      // m
+    double depth = 0.0;                              // m, of points in tools
+    std::uint64_t steps = 0;
+    std::uint64_t substeps = 0, shadow_substeps = 0, twin_substeps = 0;  // in steps that all took as they meant to
+    bool follows_verlet = false;                                         // verlet_ has taken every step
+    bool is_halved = false;  // the method damps, and its twin takes halved steps for want of that
+    bool is_lost = false, is_chaotic = false, has_dented = false;
+    bool may_buckle = false;                        // chaotic, dented or with others, or nearly so, at any time
+    bool may_end_elsewhere = false;                 // the last equilibrium is of particles that may have buckled
+    bool is_unbalanced = false;                     // the last equilibrium is none
+    bool has_met = false;                           // parts of the body touch, or have touched
+    bool has_unfelt = false;                        // a tool was in the surface and pushed nothing
+    bool has_searched = false, has_others = false;  // twice for the first equilibrium; and found more than one
+    double others = 0.0;                            // m, how far away the other one is; infinite: it was not found
+    double excess = 0.0, far_excess = 0.0;          // work of the copies above twice, and many times, that of the simulation
+    bool is_costly = false;                         // a notice has told so
+    std::vector<float> apart;                       // (m) m, see apart()
+  };
+
+  // Constants.
+  bool is_body_ = false;                                // see CoarserLevel
+  bool is_simplified_ = false;                          // the level has fewer points than the surface
+  bool has_hinged_pins_ = false;                        // see RestSurface
+  bool is_calibrated_ = false;                          // see isCalibrated()
+  bool is_local_ = false;                               // apart() is wanted
+  std::vector<Index> watched_;                          // simulation points that those in accuracy.regions follow
+  double unresolved_ = 1.0;                             // share of the surface's points that are no simulation points
+  double step_ = 0.0;                                   // s
+  double disturbance_ = 0.0;                            // m, of the twin
+  double spacing_ = 0.0, level_spacing_ = 0.0;          // m, of the copies and of the simulation
+  std::vector<Index> common_;                           // (m) see CoarserLevel
+  std::function<void(const Points&, Points&)> refine_;  // from the copies' points to the level's
+
+  DentWatch dents_;
+  Seen seen_;
+  Points coarse_now_;  // scratch, of the copies' number of points
+};
+
 /// Method, calibration and limits: docs/accuracy_control.md.
-class ErrorEstimator {
+class ErrorEstimator : private CopiedEstimate {
  public:
   /// level: the dynamics whose error is estimated, at rest. Its rest surface has the dense points that its points were chosen
   /// from, and their order of removal. It is not kept. Throws InputError if the copies cannot be built.
@@ -92,28 +136,6 @@ class ErrorEstimator {
   void forEachCopy(const Visit& visit);
   void setState(const model::State& state);
 
-  // Observations since the last reset.
-  struct Seen {
-    double space = 0.0, transfer = 0.0, time = 0.0;  // m
-    double twin_distance = 0.0;                      // m
-    double depth = 0.0;                              // m, of points in tools
-    std::uint64_t steps = 0;
-    std::uint64_t substeps = 0, shadow_substeps = 0, twin_substeps = 0;  // in steps that all took as they meant to
-    bool follows_verlet = false;                                         // verlet_ has taken every step
-    bool is_halved = false;  // the method damps, and its twin takes halved steps for want of that
-    bool is_lost = false, is_chaotic = false, has_dented = false;
-    bool may_buckle = false;                        // chaotic, dented or with others, or nearly so, at any time
-    bool may_end_elsewhere = false;                 // the last equilibrium is of particles that may have buckled
-    bool is_unbalanced = false;                     // the last equilibrium is none
-    bool has_met = false;                           // parts of the body touch, or have touched
-    bool has_unfelt = false;                        // a tool was in the surface and pushed nothing
-    bool has_searched = false, has_others = false;  // twice for the first equilibrium; and found more than one
-    double others = 0.0;                            // m, how far away the other one is; infinite: it was not found
-    double excess = 0.0, far_excess = 0.0;          // work of the copies above twice, and many times, that of the simulation
-    bool is_costly = false;                         // a notice has told so
-    std::vector<float> apart;                       // (m) m, see apart()
-  };
-
   std::string followStep(const Dynamics& level, const solve::SolveReport& taken);
   void followPlaces(const Dynamics& level, double lasting);
   std::pair<Dynamics::Outcome, Dynamics::Outcome> stepBoth(Dynamics& a, Dynamics& b);
@@ -129,34 +151,18 @@ class ErrorEstimator {
   std::string followTools(const Dynamics& level, double lasting);
   std::string followMeeting(const Dynamics& level);
 
-  // Constants.
-  bool is_body_ = false;                                // see CoarserLevel
-  bool is_simplified_ = false;                          // the level has fewer points than the surface
-  bool has_hinged_pins_ = false;                        // see RestSurface
-  bool is_calibrated_ = false;                          // see isCalibrated()
-  bool is_local_ = false;                               // apart() is wanted
-  std::vector<Index> watched_;                          // simulation points that those in accuracy.regions follow
-  double unresolved_ = 1.0;                             // share of the surface's points that are no simulation points
-  double step_ = 0.0;                                   // s
-  double disturbance_ = 0.0;                            // m, of the twin
-  double spacing_ = 0.0, level_spacing_ = 0.0;          // m, of the copies and of the simulation
-  std::vector<Index> common_;                           // (m) see CoarserLevel
-  std::function<void(const Points&, Points&)> refine_;  // from the copies' points to the level's
-
   // Copies of fewer points: one like the simulation; one with Verlet steps, beside an integrator that damps, as long as
   // they fit; and one from disturbed positions, also with Verlet steps or, where they do not fit, with finer ones.
   std::unique_ptr<Dynamics> shadow_, twin_, verlet_;
 
-  DentWatch dents_;
   std::unique_ptr<ToolDepth> depth_;  // null: there was no tool yet
-  Seen seen_;
   // State before the followed step, and the copies that have begun to take it.
   Seen seen_before_;
   std::vector<double> dents_before_;
   std::vector<Dynamics*> stepped_;
   std::optional<DynamicsState> twin_left_;  // of the twin, if it goes on from the shadow in this step
   // Scratch.
-  Points coarse_now_, refined_;
+  Points refined_;
   double copies_work_ = 0.0, times_own_ = 0.0;  // of the last two copies that took a step at once; over that of the simulation
 };
 
