@@ -1,5 +1,7 @@
 // Tools that go through a surface of particles, or tear it open, are told with the width that would have held; with that width
 // none does.
+#include "../../src/simulation/models/oriented_particles/piercing_watch.h"
+
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/expectations.h"
@@ -7,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -272,6 +275,52 @@ TEST(PiercingWatch, ABallThatBreaksKeptBondsIsToldOnce) {
     const std::string notices = runAll(s, end + 0.3);
     EXPECT_EQ(simulation::computeQuantity("boundary_loops", s), is_fast ? 2.0 : 1.0);
     EXPECT_EQ(countOf(notices, "tool 'ball', 0.144 m wide, has torn the surface open: kept bonds"), is_fast ? 1 : 0) << notices;
+  }
+}
+
+// A level sheet of particles, 0.1 m apart.
+model::State makeSheet() {
+  model::State state;
+  for (int i = -10; i <= 10; ++i)
+    for (int j = -10; j <= 10; ++j) state.positions.emplace_back(0.1 * i, 0.1 * j, 0.0);
+  state.orientations.assign(state.positions.size(), Quaternion::Identity());
+  state.traits.resize(state.positions.size());
+  for (model::ParticleTraits& particle : state.traits) particle.id = state.next_id++;
+  return state;
+}
+
+tool::ToolParams ballAt(double height) { return ball("ball", 0.3, Vec3(0.0, 0.0, height), Vec3(0.0, 0.0, height), 1.0); }
+
+TEST(PiercingWatch, ABallThatHasGoneThroughIsWatchedNoMore) {
+  const model::State sheet = makeSheet();
+  simulation::PiercingWatch watch;
+  int num_looks = 0;
+  const auto allAround = [&](std::vector<char>& is_open) {
+    std::fill(is_open.begin(), is_open.end(), 0);
+    ++num_looks;
+  };
+  for (const double height : {0.3, 0.12, -0.12}) {
+    const auto found = watch.look(0.0, {ballAt(height)}, sheet, 0.1, allAround);
+    EXPECT_EQ(found.size(), height < 0.0 ? 1u : 0u) << height;
+  }
+  EXPECT_EQ(num_looks, 3);
+  EXPECT_TRUE(watch.look(0.0, {ballAt(0.12)}, sheet, 0.1, allAround).empty());
+  EXPECT_EQ(num_looks, 3);
+  watch.reset();
+  watch.look(0.0, {ballAt(0.12)}, sheet, 0.1, allAround);
+  EXPECT_EQ(num_looks, 4);
+}
+
+// What the particles at it were like is of no use once it comes back.
+TEST(PiercingWatch, ABallThatIsTakenAwayIsForgotten) {
+  const model::State sheet = makeSheet();
+  for (const bool is_taken_away : {false, true}) {
+    simulation::PiercingWatch watch;
+    watch.look(0.0, {ballAt(0.3)}, sheet, 0.1, [](std::vector<char>& is_open) { std::fill(is_open.begin(), is_open.end(), 0); });
+    if (is_taken_away) watch.look(0.0, {}, sheet, 0.1, [](std::vector<char>&) {});
+    std::size_t torn = 0;
+    for (int k = 0; k < 20; ++k) torn += watch.look(0.0, {ballAt(0.3)}, sheet, 0.1, [](std::vector<char>&) {}).size();
+    EXPECT_EQ(torn, is_taken_away ? 0u : 1u);
   }
 }
 

@@ -35,9 +35,14 @@ bool isWatched(const tool::ToolParams& tool) {
 std::vector<PiercingWatch::Found> PiercingWatch::look(double time, const std::vector<tool::ToolParams>& tools,
                                                       const model::State& state, double spacing, const KeepOpen& keepOpen) {
   std::vector<Found> found;
+  for (auto& [id, watched] : tools_) {
+    const auto isIt = [&id = id](const tool::ToolParams& tool) { return tool.id == id; };
+    if (std::none_of(tools.begin(), tools.end(), isIt)) watched.forgetLooks();
+  }
   for (const tool::ToolParams& tool : tools) {
     if (!isWatched(tool)) continue;
     Watched& watched = tools_[tool.id];
+    if (watched.is_through) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     distances_.assign(state.positions.size(), std::numeric_limits<double>::infinity());
     if (tool::isActive(tool, time)) {
@@ -47,9 +52,11 @@ std::vector<PiercingWatch::Found> PiercingWatch::look(double time, const std::ve
       }
     }
     const Open open = findOpen(state, spacing, keepOpen, watched);
-    if (hasGoneThrough(tool, time, state, spacing, open.is_edge, watched) && !std::exchange(watched.is_through, true))
+    if (hasGoneThrough(tool, time, state, spacing, open.is_edge, watched)) {
+      watched.is_through = true;
       found.push_back({&tool, true, !watched.has_torn});
-    if (!watched.is_through && !watched.has_torn && open.torn >= kLeastTorn) {
+      watched.forgetLooks();
+    } else if (!watched.has_torn && open.torn >= kLeastTorn) {
       watched.has_torn = true;
       found.push_back({&tool, false, true});
     }

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::simulation {
@@ -47,6 +48,14 @@ class PiercingWatch {
     bool is_through = false, has_torn = false;  // and this was told
     // By the id of a particle: 0, it has not had others all around at the tool; else 1 and the looks for which it has been open.
     std::vector<std::uint8_t> open_looks;
+
+    /// But for what was told.
+    void forgetLooks() {
+      Watched told;
+      told.is_through = is_through;
+      told.has_torn = has_torn;
+      *this = std::move(told);
+    }
   };
 
   // Particles at the tool that lie at an open edge.
