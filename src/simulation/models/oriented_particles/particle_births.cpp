@@ -44,9 +44,7 @@ void placeOnTools(double time, const std::vector<tool::ToolParams>& tools, doubl
 
 // What would be born between two sheets that face opposite ways, as in a tube, is no place of either: it plugs the tube, and its
 // repulsion throws particles through the walls.
-void leaveOutBetween(const State& state, double distance, std::vector<model::NewParticle>& newborn) {
-  if (newborn.empty()) return;
-  const cloud::KdTree tree(state.positions);
+void leaveOutBetween(const State& state, const cloud::KdTree& tree, double distance, std::vector<model::NewParticle>& newborn) {
   std::vector<cloud::Neighbor> near;
   const auto isBetween = [&](const model::NewParticle& particle) {
     const Vec3 normal = particle.orientation * Vec3::UnitZ();
@@ -96,10 +94,9 @@ void ParticleLife::followBirths(const State& state, Index first, const std::vect
 }
 
 // Number of connected pieces that consist of grown particles only.
-Index ParticleLife::countDebris(const State& state) const {
+Index ParticleLife::countDebris(const State& state, const cloud::KdTree& tree) const {
   const Index n = state.size();
   const double range = model_.params().growth.neighbor_range * model_.lattice().spacing;
-  const cloud::KdTree tree(state.positions);
   std::vector<char> is_seen(n, 0);
   std::vector<Index> piece;
   std::vector<cloud::Neighbor> near;
@@ -124,11 +121,10 @@ Index ParticleLife::countDebris(const State& state) const {
 }
 
 // The particles that hardly move against their neighbours.
-std::vector<Index> ParticleLife::findQuiet(const State& state) const {
+std::vector<Index> ParticleLife::findQuiet(const State& state, const cloud::KdTree& tree) const {
   if (model_.masses().empty()) return {};  // edits have filled an empty surface in this step
   const double range = model_.params().growth.neighbor_range * model_.lattice().spacing;
   const double most = 2.0 * kQuiet * model_.lattice().pair.depth / model_.masses().front();  // m^2/s^2
-  const cloud::KdTree tree(state.positions);
   std::vector<Index> quiet;
   std::vector<cloud::Neighbor> near;
   for (Index i = 0; i < state.size(); ++i) {
@@ -144,7 +140,7 @@ std::vector<Index> ParticleLife::findQuiet(const State& state) const {
 
 // New particles, alone or two together, that neither bonds nor growth reach any more. While more pieces than a few have come off,
 // growth pauses, and they stay for the user to see.
-void ParticleLife::markLoose(const State& state) const {
+void ParticleLife::markLoose(const State& state) {
   const double far = std::max(model_.params().growth.max_gap * model_.lattice().spacing, model_.lattice().pair.cutoff);
   const auto isNewborn = [&](Index i) { return state.traits[i].parents[0] != model::kNoParent; };
   constexpr Index kPair = 2, kNext = 3;
@@ -179,11 +175,16 @@ void ParticleLife::grow(double time, const std::vector<tool::ToolParams>& tools,
   if (!model_.cuts().isEmpty())
     apart = [&](Index i, Index j) { return !model_.cuts().mayBind(state.traits[i].id, state.traits[j].id); };
   const double spacing = model_.lattice().spacing;
+  std::optional<cloud::KdTree> made;
+  const auto tree = [&]() -> const cloud::KdTree& {
+    if (!made) made.emplace(state.positions);
+    return *made;
+  };
   // Rules take turns: one whose places are all taken does not keep the next from its own.
   const auto found = [&](double clearance, std::vector<model::NewParticle> proposed) {
     placeOnTools(time, tools, spacing, proposed);
     model::leaveOutCrowded(state.positions, clearance * spacing, proposed);
-    if (!growth.chain) leaveOutBetween(state, growth.neighbor_range * spacing, proposed);
+    if (!growth.chain && !proposed.empty()) leaveOutBetween(state, tree(), growth.neighbor_range * spacing, proposed);
     newborn = std::move(proposed);
     return !newborn.empty();
   };
@@ -194,7 +195,7 @@ void ParticleLife::grow(double time, const std::vector<tool::ToolParams>& tools,
     if (params.growing == model::Growing::kNone) return;
     std::vector<char> growing = flags;
     if (params.growing == model::Growing::kEdges)
-      for (const Index i : findQuiet(state))
+      for (const Index i : findQuiet(state, tree()))
         if (growing[i]) growing[i] = static_cast<char>(growing[i] | model::kExtendsEdge);
     // The surroundings must agree: else, beside edges that tools have brought together, new particles would stand across the
     // surface and others grow on them, until layers fill the inside.
@@ -206,7 +207,7 @@ void ParticleLife::grow(double time, const std::vector<tool::ToolParams>& tools,
   };
   findRoom();
   if (newborn.empty()) return;
-  if (const Index debris = countDebris(state); debris > kMostDebris) {
+  if (const Index debris = countDebris(state, tree()); debris > kMostDebris) {
     if (!std::exchange(has_reported_debris_, true))
       appendNotice(changes.notice, "growth is out of control and pauses: " + std::to_string(debris) +
                                        " pieces of new particles have come off the surface; it goes on at " +

@@ -46,7 +46,7 @@ bool reachesBorder(const model::GuideParams& guide) {
 
 // Where two fronts of the surface meet inside of the iso-surface that guides it, both go. Their rims then join, and the surface
 // has a handle more.
-void ParticleLife::markMeeting(const model::State& state) const {
+void ParticleLife::markMeeting(const model::State& state) {
   constexpr double kMeeting = 2.0;  // spacings: in reach of bonds, which hold fronts apart
   constexpr double kFacing = -0.5;  // cosine between normals
   constexpr double kAhead = 0.7;    // cosine between a normal and the line to the other

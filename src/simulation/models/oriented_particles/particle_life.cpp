@@ -364,18 +364,16 @@ bool ParticleLife::cut(double time, double step, const std::vector<ToolParams>& 
       std::vector<Index> near;
       for (Index i = 0; i < state.size(); ++i)
         if (blade.isNear(thin.before[i])) near.push_back(i);
-      const model::ParticleCuts before = model_.cuts();
-      if (model_.hasKeptBonds()) {
-        model_.setCuts(before.sever(model_.findCrossed(state, [&](Index i, Index j) {
-          return std::binary_search(near.begin(), near.end(), i) && std::binary_search(near.begin(), near.end(), j) &&
-                 blade.wentBetween(thin.before[i], thin.after[i], thin.before[j], thin.after[j], blade.all());
-        })));
-        has_cut = has_cut || !model_.cuts().isSameAs(before);
-        continue;
-      }
-      model_.setCuts(before.cut(thin.before, state.traits, near, lengths, [&](Index i, Index j) {
+      const auto wentBetween = [&](Index i, Index j) {
         return blade.wentBetween(thin.before[i], thin.after[i], thin.before[j], thin.after[j], blade.all());
-      }));
+      };
+      const auto isNear = [&](Index i) { return std::binary_search(near.begin(), near.end(), i); };
+      const model::ParticleCuts before = model_.cuts();
+      if (model_.hasKeptBonds())
+        model_.setCuts(before.sever(
+            model_.findCrossed(state, [&](Index i, Index j) { return isNear(i) && isNear(j) && wentBetween(i, j); })));
+      else
+        model_.setCuts(before.cut(thin.before, state.traits, near, lengths, wentBetween));
       has_cut = has_cut || !model_.cuts().isSameAs(before);
     }
   }

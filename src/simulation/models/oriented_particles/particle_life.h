@@ -2,6 +2,7 @@
 // take them. Apart from their model, which knows forces only.
 #pragma once
 
+#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/growth.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/evolution.h"
@@ -65,8 +66,8 @@ class ParticleLife : public Evolution, public solve::Breaking {
   bool mayJoin(const model::State& state) const;
   std::vector<model::NewParticle> join(double time, const std::vector<tool::ToolParams>& tools, const model::State& state,
                                        Population& changes);
-  void markMeeting(const model::State& state) const;
-  void markLoose(const model::State& state) const;
+  void markMeeting(const model::State& state);
+  void markLoose(const model::State& state);
   void reportPiercing(double time, const std::vector<tool::ToolParams>& tools, const model::State& state, Population& changes);
   void noteTorn(double time, const std::vector<tool::ToolParams>& tools, const model::State& state);
   void append(const model::NewParticle& particle, model::State& state) const;
@@ -74,8 +75,8 @@ class ParticleLife : public Evolution, public solve::Breaking {
   bool cut(double time, double step, const std::vector<tool::ToolParams>& tools, const model::State& state);
   model::GrowthParams growthParams() const;
 
-  std::vector<Index> findQuiet(const model::State& state) const;
-  Index countDebris(const model::State& state) const;
+  std::vector<Index> findQuiet(const model::State& state, const cloud::KdTree& tree) const;
+  Index countDebris(const model::State& state, const cloud::KdTree& tree) const;
 
   model::OrientedParticles& model_;
   const std::vector<char>& creased_;
@@ -84,11 +85,11 @@ class ParticleLife : public Evolution, public solve::Breaking {
   mutable std::shared_ptr<const Kept> kept_;  // that was given out last
   Points before_;                             // m, when a step with a knife began last
   model::ParticleCuts begun_with_;            // when the last step began
-  mutable bool has_reported_debris_ = false, has_reported_heap_ = false, has_reported_gap_ = false;
+  bool has_reported_debris_ = false, has_reported_heap_ = false, has_reported_gap_ = false;
   bool has_arrived_ = false;  // at the iso-surface, or where it hardly moves
   PiercingWatch piercing_;
-  std::string torn_;                            // what the last step has torn, for the notice of the next one
-  mutable std::vector<char> is_gone_, inside_;  // scratch
+  std::string torn_;                    // what the last step has torn, for the notice of the next one
+  std::vector<char> is_gone_, inside_;  // scratch
 };
 
 }  // namespace deformable_surface::simulation
