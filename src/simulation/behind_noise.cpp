@@ -1,6 +1,7 @@
 #include "behind_noise.h"
 
 #include "deformable_surface/base/median.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/sensor_noise.h"
 
@@ -87,7 +88,7 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
         " spacings: the surface is rough, and its area too large (fewer pixels with less noise each, or the mean "
         "of several frames)");
   if (noise.unexplained > kMostUnexplained * static_cast<double>(s.dense.positions.size()))
-    s.warnings.push_back(count(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
+    s.warnings.push_back(formatCount(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
                          " points fit no window that this noise explains, and are moved to the nearest one: there the "
                          "surface is a guess (input.noise)");
   if (noise.is_grid_found)

@@ -1,5 +1,6 @@
 #include "half_frame.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/parallel.h"
 
 #include <algorithm>
@@ -112,8 +113,8 @@ void takeHalf(const Vec3& eye, HalfFrame half, std::vector<Index>& kept, RestSur
   for (Index& k : kept) k = points[k];
 
   s.notes.push_back("every second pixel of every second row shows enough of the surface for so few simulation points: " +
-                    count(static_cast<Index>(points.size()), "points") +
-                    (alone > 0 ? "; " + count(alone, "others are not linked to any of them and follow the nearest") : ""));
+                    formatCount(static_cast<Index>(points.size()), "points") +
+                    (alone > 0 ? "; " + formatCount(alone, "others are not linked to any of them and follow the nearest") : ""));
   s.notes.insert(s.notes.end(), half.surface.notes.begin(), half.surface.notes.end());
   s.warnings.insert(s.warnings.end(), half.surface.warnings.begin(), half.surface.warnings.end());
 }

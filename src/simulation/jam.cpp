@@ -1,5 +1,6 @@
 #include "jam.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -29,8 +30,8 @@ std::string list(const std::vector<Jam::Actor>& actors) {
 }  // namespace
 
 std::string describeJam(const Jam& jam) {
-  const std::string told =
-      "contact limited the motion of " + count(jam.points, "points, ") + "one of them at " + formatPlace(jam.place) + " m, ";
+  const std::string told = "contact limited the motion of " + formatCount(jam.points, "points, ") + "one of them at " +
+                           formatPlace(jam.place) + " m, ";
   if (jam.actors.empty())
     return told + "where no tool or pin is near, nor acts on the same part: parts meet by their own motion, or under other loads";
   if (jam.are_near) {

@@ -1,5 +1,6 @@
 #include "joined_layers.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/layers.h"
 
@@ -42,7 +43,7 @@ void noteJoinedLayers(RestSurface& s) {
   const Index joined = static_cast<Index>(std::count(first, is_joined.end(), 1));
   (joined > n / kManyShare ? s.warnings : s.notes)
       .push_back(
-          count(joined, "of ") + std::to_string(n) +
+          formatCount(joined, "of ") + std::to_string(n) +
           " simulation points are linked, at most over one other, to points above or below them, up to " + formatShort(longest) +
           " m away, one of them at " + formatPlace(s.points[first - is_joined.begin()]) +
           " m: if these are layers near each other, or with single points between them, they are joined there and move as one; "

@@ -1,5 +1,6 @@
 #include "narrow_gaps.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
@@ -86,11 +87,11 @@ void noteNarrowGaps(RestSurface& s) {
   const double middle = widths[widths.size() / 2];
   const double most = kMargin * widths[static_cast<std::size_t>(kShare * static_cast<double>(widths.size() - 1))];
   const Index num_parts = static_cast<Index>(std::count(has_gap.begin(), has_gap.end(), 1));
-  const std::string notice = count(num_parts, "parts lie beside each other in one surface, with gaps of ") +
+  const std::string notice = formatCount(num_parts, "parts lie beside each other in one surface, with gaps of ") +
                              formatShort(1000.0 * middle) + " mm between them, " + formatShort(middle / spacing) + " spacings (" +
-                             count(static_cast<Index>(widths.size()),
-                                   "points lie there): if points are missing "
-                                   "there, input.min_gap ") +
+                             formatCount(static_cast<Index>(widths.size()),
+                                         "points lie there): if points are missing "
+                                         "there, input.min_gap ") +
                              formatShort(most) + " joins the parts";
   (num_parts >= kFewestParts ? s.warnings : s.notes).push_back(notice);
 }

@@ -1,5 +1,6 @@
 #include "open_seams.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 

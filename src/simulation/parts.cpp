@@ -1,5 +1,6 @@
 #include "parts.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/links.h"
 
@@ -50,9 +51,9 @@ void leaveOut(const std::string& why, const Parts& parts, const std::vector<char
     new_index[i] = n++;
   }
   if (n == static_cast<Index>(kept.size())) return;
-  s.notes.push_back(why + ": " + count(static_cast<Index>(std::count(is_out.begin(), is_out.end(), 1)), "of ") +
-                    count(parts.count(), "parts of the cloud are left out, ") +
-                    count(static_cast<Index>(kept.size()) - n, "points, which become NaN"));
+  s.notes.push_back(why + ": " + formatCount(static_cast<Index>(std::count(is_out.begin(), is_out.end(), 1)), "of ") +
+                    formatCount(parts.count(), "parts of the cloud are left out, ") +
+                    formatCount(static_cast<Index>(kept.size()) - n, "points, which become NaN"));
   dense.positions.resize(n);
   if (!dense.normals.empty()) dense.normals.resize(n);
   if (!s.off_surface.empty()) s.off_surface.resize(n);
@@ -104,8 +105,8 @@ void LooseParts::find(const std::vector<char>& held, const std::vector<double>& 
 }
 
 std::string LooseParts::describe() const {
-  return "nothing holds " + count(count_, count_ == 1 ? "part of what is simulated, " : "parts of what is simulated, ") +
-         count(points_, points_ == 1 ? "point, at " : "points, the first at ") + formatPlace(place_) +
+  return "nothing holds " + formatCount(count_, count_ == 1 ? "part of what is simulated, " : "parts of what is simulated, ") +
+         formatCount(points_, points_ == 1 ? "point, at " : "points, the first at ") + formatPlace(place_) +
          " m, against the loads: without an equilibrium it stays where it is";
 }
 

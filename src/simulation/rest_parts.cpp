@@ -1,6 +1,7 @@
 #include "rest_parts.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/near_points.h"
@@ -80,27 +81,13 @@ double findLostStep(const Points& positions, Index num_lost) {
 
 }  // namespace
 
-std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
-// Three digits, and far from the origin as many as tell points apart.
-std::string formatPlace(const Vec3& p) {
-  constexpr int kLeast = 3, kMost = 15, kDecimals = 4;  // tenths of a millimetre
-  std::string text;
-  for (const double x : {p.x(), p.y(), p.z()}) {
-    const int whole = std::isfinite(x) && x != 0.0 ? static_cast<int>(std::floor(std::log10(std::abs(x)))) + 1 : 0;
-    char number[32];
-    std::snprintf(number, sizeof number, "%.*g", std::min(kMost, std::max(kLeast, whole + kDecimals)), x);
-    text += (text.empty() ? "(" : ", ") + std::string(number);
-  }
-  return text + ")";
-}
-
 RestSurface cleanInput(const cloud::PointCloud& input) {
   RestSurface s;
   s.dense = cloud::clean(input);
   const cloud::NearPoints near = cloud::mergeNearPoints(s.dense);
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (n < 3)
-    throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) +
+    throw InputError("cloud: found " + formatCount(n, "finite distinct points among ") + std::to_string(input.size()) +
                      "; accepted: at least 3" + adviseOffset(input));
   if (cloud::orderInSpace(s.dense))
     s.notes.push_back(
@@ -114,9 +101,9 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
         "fields");
   if (s.dense.num_not_finite > 0)
     s.notes.push_back(
-        count(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));
+        formatCount(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));
   if (s.dense.num_coincident > 0) {
-    const std::string coincide = count(s.dense.num_coincident, "input points coincide with others and move with them");
+    const std::string coincide = formatCount(s.dense.num_coincident, "input points coincide with others and move with them");
     const double step = findLostStep(s.dense.positions, s.dense.num_coincident);
     if (step > 0.0)
       s.warnings.push_back(coincide + ": in single precision, coordinates as large as these are only told apart in steps of " +
@@ -127,7 +114,7 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
   if (s.warnings.empty())
     if (std::string coarse = warnOfCoarseOutput(s.dense.positions); !coarse.empty()) s.warnings.push_back(std::move(coarse));
   if (near.num_merged > 0)
-    s.notes.push_back(count(near.num_merged, "points are at most ") + formatShort(near.distance) +
+    s.notes.push_back(formatCount(near.num_merged, "points are at most ") + formatShort(near.distance) +
                       " m from others, where the spacing is " + formatShort(near.spacing) +
                       " m: they are taken for the same points and move with them");
   return s;
@@ -148,7 +135,7 @@ void warnOfClosePoints(RestSurface& s) {
     least = std::min(least, near[1].squared_distance);
   }
   if (num_close == 0) return;
-  s.warnings.push_back(count(num_close, "simulation points are nearer to another than a hundredth of the spacing, ") +
+  s.warnings.push_back(formatCount(num_close, "simulation points are nearer to another than a hundredth of the spacing, ") +
                        formatShort(spacing) + " m; the nearest two are " + formatShort(std::sqrt(least)) +
                        " m apart: steps may need very many sub-steps; a cloud without such points, or fewer simulation points, "
                        "avoids this");
@@ -160,12 +147,13 @@ bool hasGaps(const cloud::GeodesicNeighbors& found, const RestSurface& s) {
 
 void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s) {
   if (found.num_joined > static_cast<Index>(s.dense.positions.size()) / kGapShare)
-    s.warnings.push_back(count(found.num_joined, "points are linked to points in front of them, whose normals face theirs: ") +
-                         "a gap is too narrow for the sampling, and its sides stick together");
+    s.warnings.push_back(
+        formatCount(found.num_joined, "points are linked to points in front of them, whose normals face theirs: ") +
+        "a gap is too narrow for the sampling, and its sides stick together");
   if (found.margin < kClearMargin && hasGaps(found, s))
-    s.notes.push_back("the sampling hardly resolves the narrowest gap: " + count(found.num_at_gaps, "points lie at gaps, the ") +
-                      "narrowest of which are " + formatReal(std::round(100.0 * found.margin) / 100.0) +
-                      " times as wide as what counts as surface");
+    s.notes.push_back("the sampling hardly resolves the narrowest gap: " +
+                      formatCount(found.num_at_gaps, "points lie at gaps, the ") + "narrowest of which are " +
+                      formatReal(std::round(100.0 * found.margin) / 100.0) + " times as wide as what counts as surface");
 }
 
 std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors,
@@ -209,7 +197,7 @@ std::vector<Index> findInside(const Points& dense, const Contains& contains) {
 
 [[noreturn]] void refusePin(std::size_t p, const Points& dense) {
   throw InputError("pins[" + std::to_string(p) + "]: the shape holds none of the " +
-                   count(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
+                   formatCount(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
 }
 
 void sortUnique(std::vector<Index>& points) {

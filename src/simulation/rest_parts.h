@@ -1,15 +1,11 @@
 // Steps that surfaces and bodies share when they are made from a cloud. Private.
 #pragma once
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/simulation/rest_surface.h"
 
 namespace deformable_surface::simulation {
-
-/// "3 points".
-std::string count(Index n, const std::string& what);
-/// "(0.1, 0, 2)".
-std::string formatPlace(const Vec3& p);
 
 /// The finite, distinct points of the input. InputError if there are fewer than three.
 RestSurface cleanInput(const cloud::PointCloud& input);

@@ -1,5 +1,6 @@
 #include "rest_steps.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/layers.h"
@@ -94,8 +95,8 @@ void keepLoadedPoints(const SceneParams& params, Index fewest, std::vector<Index
   if (num_loaded <= fewest / kPointsPerLoad) {
     kept.insert(kept.end(), loaded.begin(), loaded.end());
   } else {
-    s.notes.push_back(count(num_loaded, "points of the cloud are loaded, more than a tenth of ") +
-                      count(fewest, "simulation points: loads act on the nearest of these"));
+    s.notes.push_back(formatCount(num_loaded, "points of the cloud are loaded, more than a tenth of ") +
+                      formatCount(fewest, "simulation points: loads act on the nearest of these"));
   }
 }
 
@@ -151,8 +152,8 @@ void tellLayersApart(const SceneParams& scene, Sought& sought, RestSurface& s) {
   }
   if (left < joined)
     s.notes.push_back(
-        "layers are told apart: " + count(joined, "points had neighbours above or below them, only ") +
-        count(left, "have with normals on which the points around each agree, which are used (a filled body falls into ") +
+        "layers are told apart: " + formatCount(joined, "points had neighbours above or below them, only ") +
+        formatCount(left, "have with normals on which the points around each agree, which are used (a filled body falls into ") +
         "layers by this; elastic_solid is the model for it)");
 }
 
@@ -226,7 +227,7 @@ cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, P
   static const char* const kRules[] = {"as the input's do", "outward (closed surface)", "towards the viewpoint", "to +z"};
   s.notes.push_back(std::string("normals point ") + kRules[static_cast<int>(rule)]);
   if (num_turned > 0)
-    s.notes.push_back(count(num_turned, "given normals point to the other side of the surface than most, and were turned"));
+    s.notes.push_back(formatCount(num_turned, "given normals point to the other side of the surface than most, and were turned"));
   return boundary;
 }
 
@@ -264,11 +265,11 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
 
 void noteLeftOut(RestSurface& s) {
   if (s.order.num_left_out == 0) return;
-  s.notes.push_back(count(s.order.num_left_out, "parts of the cloud, with ") +
-                    count(static_cast<Index>(s.order.left_out.size()),
-                          "points, are too small to get simulation points of their own, and follow the nearest ones; more "
-                          "simulation points include "
-                          "them"));
+  s.notes.push_back(formatCount(s.order.num_left_out, "parts of the cloud, with ") +
+                    formatCount(static_cast<Index>(s.order.left_out.size()),
+                                "points, are too small to get simulation points of their own, and follow the nearest ones; more "
+                                "simulation points include "
+                                "them"));
 }
 
 void takePoints(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSurface& s) {
@@ -290,14 +291,15 @@ void followSimulationPoints(const SceneParams& params, RestSurface& s) {
 
 void noteFollowing(RestSurface& s, bool will_grow) {
   if (s.transfer.numDegenerate() > 0)
-    s.notes.push_back(count(s.transfer.numDegenerate(),
-                            "points of the cloud follow simulation points that lie in one line; across it they move rigidly"));
+    s.notes.push_back(
+        formatCount(s.transfer.numDegenerate(),
+                    "points of the cloud follow simulation points that lie in one line; across it they move rigidly"));
   const Index links = static_cast<Index>(stretchLinksOf(*s.model).size() + bendLinksOf(*s.model).size());
-  s.notes.push_back(count(static_cast<Index>(s.dense.positions.size()), "points, ") +
-                    count(static_cast<Index>(s.points.size()),
-                          will_grow ? "simulation points before the surface is grown, " : "simulation points, ") +
-                    (will_grow ? "" : count(links, "links, ")) +
-                    count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
+  s.notes.push_back(formatCount(static_cast<Index>(s.dense.positions.size()), "points, ") +
+                    formatCount(static_cast<Index>(s.points.size()),
+                                will_grow ? "simulation points before the surface is grown, " : "simulation points, ") +
+                    (will_grow ? "" : formatCount(links, "links, ")) +
+                    formatCount(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }
 
 }  // namespace deformable_surface::simulation

@@ -274,7 +274,7 @@ std::string Simulation::Impl::tellPassage(const EstimatedDynamics::Outcome& take
   if (!found || found->triangles < kFewestPassed) return {};
   is_passage_told = true;
   return "parts of the surface have come to pass through each other (" +
-         count(found->triangles, "of its triangles are crossed by others, one of them near ") + formatPlace(found->place) +
+         formatCount(found->triangles, "of its triangles are crossed by others, one of them near ") + formatPlace(found->place) +
          " m): contact.self: auto is off here; true keeps them apart";
 }
 

@@ -1,5 +1,6 @@
 #include "stretch_watch.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "unconstrained_parts.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/simulation/contact_load.h"
@@ -45,40 +46,12 @@ Index countDense(const RestSurface& s, const std::vector<char>& marked) {
   return found;
 }
 
-// For a model whose elements depend on the state: parts that its forces connect at the beginning.
-Parts findBeginningParts(const model::DeformableModel& model, const Points& points) {
-  const std::unique_ptr<model::DeformableModel> begun = model.clone();
-  model::State state;
-  state.positions = points;
-  beginAtRest(*begun, state);
-  begun->innerState()->followPartners(state);
-  const Index n = static_cast<Index>(points.size());
-  Parts parts;
-  parts.label.assign(n, -1);
-  for (Index first = 0; first < n; ++first) {
-    if (parts.label[first] >= 0) continue;
-    std::vector<Index> front{first};
-    parts.label[first] = parts.count();
-    parts.size.push_back(1);
-    // Ring by ring.
-    while (!front.empty()) {
-      std::vector<char> marked(n, 0);
-      begun->partition()->markPartners(front, marked);
-      front.clear();
-      for (Index i = 0; i < n; ++i)
-        if (marked[i] && parts.label[i] < 0) front.push_back(i);
-      for (const Index i : front) parts.label[i] = parts.label[first];
-      parts.size.back() += static_cast<Index>(front.size());
-    }
-  }
-  return parts;
-}
-
 // For a surface without a model yet: parts by the edges that will be its springs.
-Parts findSimulatedParts(const RestSurface& s) {
+Parts findSimulatedParts(const SceneParams& params, const RestSurface& s) {
   const Index n = static_cast<Index>(s.points.size());
   if (!s.model) return findParts(n, linksOf(s.rings.ring));
-  if (s.model->partition() && std::isfinite(s.model->partition()->maxPartMotion())) return findBeginningParts(*s.model, s.points);
+  if (s.model->partition() && std::isfinite(s.model->partition()->maxPartMotion()))
+    return findParts(n, findModel(params.model).linkPartners(*s.model, s.points));
   return findParts(n, stretchLinksOf(*s.model));
 }
 
@@ -87,7 +60,7 @@ void requireHeld(const SceneParams& params, const std::vector<char>& held, const
   if (std::find(held.begin(), held.end(), 1) != held.end()) return;
   throw InputError(std::string("input.unconstrained_parts: found ") +
                    (params.input.unconstrained_parts == UnconstrainedParts::kDrop ? "drop" : "freeze") +
-                   ", but no pin, anchor or tool holds any of the " + count(static_cast<Index>(held.size()), points) +
+                   ", but no pin, anchor or tool holds any of the " + formatCount(static_cast<Index>(held.size()), points) +
                    " at the beginning; accepted: keep, or something that holds one of them");
 }
 
@@ -139,7 +112,7 @@ void noteHeldByTools(const SceneParams& params, const Parts& parts, const HeldPa
     if (held.by_tool[t] > 0)
       s.notes.push_back(std::string("input.unconstrained_parts ") +
                         (params.input.unconstrained_parts == UnconstrainedParts::kDrop ? "drop" : "freeze") + ": " +
-                        count(held.by_tool[t], "of ") + count(parts.count(), "parts count as held by tool ") +
+                        formatCount(held.by_tool[t], "of ") + formatCount(parts.count(), "parts count as held by tool ") +
                         quote(params.tools[t].id) + ", which they touch, fall onto or are in reach of");
 }
 
@@ -157,7 +130,7 @@ void dropUnconstrained(const SceneParams& params, const Parts& parts, RestSurfac
 }
 
 void freezeUnconstrained(const SceneParams& params, RestSurface& s) {
-  const Parts parts = findSimulatedParts(s);
+  const Parts parts = findSimulatedParts(params, s);
   const HeldParts held = findHeldParts(params, parts, s.points);
   requireHeld(params, held.marked, "simulation points");
   noteHeldByTools(params, parts, held, s);
@@ -166,7 +139,7 @@ void freezeUnconstrained(const SceneParams& params, RestSurface& s) {
 }
 
 void noteUnconstrained(const SceneParams& params, RestSurface& s) {
-  const Parts parts = findSimulatedParts(s);
+  const Parts parts = findSimulatedParts(params, s);
   const std::vector<char> held = markHeldParts(params, parts, s.points);
   std::vector<char> is_loose, is_held(parts.count(), 0);
   for (std::size_t i = 0; i < held.size(); ++i) {
@@ -183,14 +156,15 @@ void noteUnconstrained(const SceneParams& params, RestSurface& s) {
   if (will_grow) sizes.clear();
   if (will_grow && loose < parts.count()) return;
   if (loose == parts.count()) {
-    const std::string all =
-        loose == 1 || will_grow ? "" : ", " + count(loose, "parts of ") + listSizes(std::move(sizes)) + " simulation points";
+    const std::string all = loose == 1 || will_grow
+                                ? ""
+                                : ", " + formatCount(loose, "parts of ") + listSizes(std::move(sizes)) + " simulation points";
     s.notes.push_back("no pin, anchor or tool holds what is simulated" + all + ": it moves freely");
     return;
   }
-  const std::string which = "no pin, anchor or tool holds " + count(loose, "of ") +
-                            count(parts.count(), "parts of what is simulated, with ") + listSizes(std::move(sizes)) +
-                            " simulation points (" + count(countDense(s, is_loose), "points of the cloud): ");
+  const std::string which = "no pin, anchor or tool holds " + formatCount(loose, "of ") +
+                            formatCount(parts.count(), "parts of what is simulated, with ") + listSizes(std::move(sizes)) +
+                            " simulation points (" + formatCount(countDense(s, is_loose), "points of the cloud): ");
   if (params.input.unconstrained_parts == UnconstrainedParts::kFreeze)
     s.notes.push_back(which + "input.unconstrained_parts freeze keeps them where they are");
   else
@@ -201,7 +175,7 @@ void noteUnconstrained(const SceneParams& params, RestSurface& s) {
 
 void noteStaticContact(const SceneParams& params, RestSurface& s) {
   if (params.integrator.type != solve::IntegratorType::kStatic || !params.contact.self.valueOr(false)) return;
-  const Parts parts = findSimulatedParts(s);
+  const Parts parts = findSimulatedParts(params, s);
   if (parts.count() < 2) return;
   SceneParams fixed = params;  // without what only touches
   const auto touches = [](const tool::ToolParams& tool) { return tool.mode != tool::Mode::kMove; };
@@ -211,11 +185,11 @@ void noteStaticContact(const SceneParams& params, RestSurface& s) {
   for (std::size_t i = 0; i < held.size(); ++i) is_free[parts.label[i]] = !held[i];
   const Index free = static_cast<Index>(std::count(is_free.begin(), is_free.end(), char{1}));
   if (free == 0) return;
-  s.notes.push_back("no pin, anchor or gripping tool holds " + count(free, "of ") +
-                    count(parts.count(),
-                          "parts, which can only rest on others or on tools: equilibria have no friction, so that "
-                          "these parts may slide without end, and a search can take hundreds of slow iterations; "
-                          "integrator.type auto with material.damping lets them come to rest"));
+  s.notes.push_back("no pin, anchor or gripping tool holds " + formatCount(free, "of ") +
+                    formatCount(parts.count(),
+                                "parts, which can only rest on others or on tools: equilibria have no friction, so that "
+                                "these parts may slide without end, and a search can take hundreds of slow iterations; "
+                                "integrator.type auto with material.damping lets them come to rest"));
 }
 
 }  // namespace deformable_surface::simulation

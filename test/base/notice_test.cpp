@@ -15,6 +15,11 @@ TEST(Notice, SentencesAreJoinedBySemicolons) {
   EXPECT_EQ(notice, "one; two");
 }
 
+TEST(Notice, PlacesHaveThreeDigitsAndFarAwayTenthsOfAMillimetre) {
+  EXPECT_EQ(formatPlace(Vec3(0.12345, 0.0, -2.0)), "(0.1235, 0, -2)");
+  EXPECT_EQ(formatPlace(Vec3(-0.00012345, 12.5, 512345.67891)), "(-0.000123, 12.5, 512345.6789)");
+}
+
 TEST(Notice, SentencesOfOneCauseDifferInNumbersButNotInQuotedNames) {
   EXPECT_EQ(withoutNumbers("12 points at -0.5 m"), withoutNumbers("7 points at 1e-3 m"));
   EXPECT_NE(withoutNumbers("tool 'a1' slips"), withoutNumbers("tool 'a2' slips"));

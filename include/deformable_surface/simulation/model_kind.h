@@ -115,6 +115,12 @@ class ModelKind {
   /// such force comes.
   virtual std::shared_ptr<const LoadPoints> makeLoadPoints(const SceneParams& params, const RestSurface& rest) const;
 
+  /// For models whose elements depend on the state: links between the points that share elements when all are at rest.
+  virtual std::vector<std::pair<Index, Index>> linkPartners(const model::DeformableModel& /*model*/,
+                                                            const Points& /*rest*/) const {
+    return {};
+  }
+
   // While it runs; model: one that makeRest() has made, or a clone.
   /// How the full cloud follows the simulation points; null: by the transfer of the rest surface.
   virtual std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams& params,

@@ -16,16 +16,32 @@ bool OrientedParticles::followPartners(const State& state) {
 
 double OrientedParticles::maxPartMotion() const { return lists_.margin(); }
 
+// Calls visit(j), for some particles twice.
+template <class Visit>
+void OrientedParticles::forEachPartner(Index i, const Visit& visit) const {
+  for (const Index* j = kept_ ? bonds_.begin(i) : nullptr; kept_ && j != bonds_.end(i); ++j) visit(*j);
+  for (const Index* j = partners_.begin(i); j != partners_.end(i); ++j) visit(*j);
+  for (const NeighborList::Apart* j = partners_.beginApart(i); j != partners_.endApart(i); ++j) visit(j->particle);
+}
+
 bool OrientedParticles::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
   if (!has_partners_) std::fill(marked.begin(), marked.end(), 1);
   for (const Index i : points) {
     marked[i] = 1;
-    if (!has_partners_) continue;
-    for (const Index* j = kept_ ? bonds_.begin(i) : nullptr; kept_ && j != bonds_.end(i); ++j) marked[*j] = 1;
-    for (const Index* j = partners_.begin(i); j != partners_.end(i); ++j) marked[*j] = 1;
-    for (const NeighborList::Apart* j = partners_.beginApart(i); j != partners_.endApart(i); ++j) marked[j->particle] = 1;
+    if (has_partners_) forEachPartner(i, [&](Index j) { marked[j] = 1; });
   }
   return true;
+}
+
+std::vector<std::pair<Index, Index>> OrientedParticles::linkPartners() const {
+  std::vector<std::pair<Index, Index>> links;
+  for (Index i = 0; i < static_cast<Index>(masses_.size()); ++i) {
+    if (has_partners_)
+      forEachPartner(i, [&](Index j) { links.emplace_back(i, j); });
+    else if (i > 0)
+      links.emplace_back(i - 1, i);
+  }
+  return links;
 }
 
 OrientedParticles::OrientedParticles(const OrientedParticles& whole, std::size_t count)

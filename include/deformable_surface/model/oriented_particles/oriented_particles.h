@@ -99,6 +99,8 @@ class OrientedParticles : public DeformableModel,
   bool followPartners(const State& state) override;
   double maxPartMotion() const override;
   bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
+  /// Links between the points that share elements, so that parts of them are parts that forces connect.
+  std::vector<std::pair<Index, Index>> linkPartners() const;
   /// A part of the present particles, which must have distinct ids. It has no births and starts no state.
   Part makePart(const std::vector<char>& wanted) const override;
   /// From a bound of the stiffness at the state, including orientations: Gershgorin's, or that of kept bonds. A function of the
@@ -144,6 +146,8 @@ class OrientedParticles : public DeformableModel,
   double areaOf(const ParticleTraits& traits) const;
   double mostStretch() const;
   void listStrangers() const;
+  template <class Visit>
+  void forEachPartner(Index i, const Visit& visit) const;
   template <class Take>
   void forEachStranger(Index i, const Take& take) const;
   double boundKeptFrequency() const;

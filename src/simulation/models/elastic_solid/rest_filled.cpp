@@ -1,6 +1,7 @@
 // From a closed surface to the elastic solid within it. Only here some simulation points are no points of
 // the cloud.
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/cloud/farthest_points.h"
 #include "deformable_surface/cloud/geodesic_cells.h"
 #include "deformable_surface/cloud/interior.h"
@@ -129,7 +130,7 @@ void buildFilledSolid(const SceneParams& params, RestSurface& s) {
   }
   s.points.insert(s.points.end(), interior.points.begin(), interior.points.end());
   s.normals.resize(s.points.size(), Vec3::Zero());
-  s.notes.push_back(count(static_cast<Index>(interior.points.size()), "points inside, ") + formatShort(spacing) +
+  s.notes.push_back(formatCount(static_cast<Index>(interior.points.size()), "points inside, ") + formatShort(spacing) +
                     " m apart, fill the surface");
 
   s.solid_neighbors = cloud::nearestNeighbors(s.points, 2 * params.neighbors.k);

@@ -1,6 +1,7 @@
 // From a cloud to an elastic solid: a body has neither rings nor tangent planes.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/cloud/farthest_points.h"
 #include "deformable_surface/cloud/geodesic_cells.h"
 #include "deformable_surface/cloud/kd_tree.h"
@@ -67,7 +68,7 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
   const bool is_flat = all.across <= kFlat * findMedian(spacing);
   const model::SolidDimension wanted = params.elastic_solid.dimension;
   if (!(all.along > kFlat * findMedian(spacing)))
-    throw InputError("cloud: its " + count(n, "points lie on a line; accepted: those of a body, or of a part of a plane"));
+    throw InputError("cloud: its " + formatCount(n, "points lie on a line; accepted: those of a body, or of a part of a plane"));
   if (wanted == model::SolidDimension::kPlanar && !is_flat)
     throw InputError("elastic_solid.dimension: found planar, but the points lie " + formatShort(all.across) +
                      " m (rms) off the plane that fits them best; accepted: points in a plane, or volume");
@@ -82,10 +83,11 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
   if (findMedian(thinness) < kThin)
     throw InputError(
         "cloud: its " +
-        count(n,
-              "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane, and with "
-              "elastic_solid.fill: true those of a closed surface (if they are layers of a body, farther apart than the points "
-              "along them: neighbors.geodesic_exponent: 1)"));
+        formatCount(
+            n,
+            "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane, and with "
+            "elastic_solid.fill: true those of a closed surface (if they are layers of a body, farther apart than the points along "
+            "them: neighbors.geodesic_exponent: 1)"));
   return Vec3::Zero();
 }
 
@@ -167,7 +169,7 @@ void finishSolid(const SceneParams& params, model::Outline outline, RestSurface&
                                                      params.elastic_solid, outline, s.point_volumes);
   if (solid->numDeficient() > 0)
     s.notes.push_back(
-        count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
+        formatCount(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
   s.point_volumes = solid->volumes();
   const double volume = std::accumulate(s.point_volumes.begin(), s.point_volumes.end(), 0.0);
   s.model = std::move(solid);
@@ -181,8 +183,9 @@ void finishSolid(const SceneParams& params, model::Outline outline, RestSurface&
   const double spacing = is_planar ? std::sqrt(volume / (params.material.thickness * m)) : std::cbrt(volume / m);
   s.area = m * spacing * spacing;
   s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) +
-                    " m^3: " + count(static_cast<Index>(s.dense.positions.size()), "points, ") + count(m, "simulation points, ") +
-                    count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
+                    " m^3: " + formatCount(static_cast<Index>(s.dense.positions.size()), "points, ") +
+                    formatCount(m, "simulation points, ") +
+                    formatCount(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }
 
 // Simulation points, their neighbours and the transfer.

@@ -1,6 +1,7 @@
 #include "rest.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 
@@ -81,8 +82,8 @@ Index connect(const SceneParams& params, const RestSurface& full, std::vector<In
   }
   if (kept.size() < 3 || s.rings.triangles.empty())
     throw InputError(
-        "cloud: its " + count(static_cast<Index>(dense.positions.size()), "distinct points span no surface (") +
-        count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
+        "cloud: its " + formatCount(static_cast<Index>(dense.positions.size()), "distinct points span no surface (") +
+        formatCount(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
   return before - static_cast<Index>(kept.size());
 }
 
@@ -123,9 +124,10 @@ void buildModel(const SceneParams& params, const RestSurface& full, RestSurface&
   const model::MassSpring& surface = *made;
   if (surface.numMassRaised() > 0)
     s.notes.push_back(
-        count(surface.numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
+        formatCount(surface.numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
   if (surface.numWithoutBending() > 0)
-    s.notes.push_back(count(surface.numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
+    s.notes.push_back(
+        formatCount(surface.numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
   s.model = std::move(made);
   s.values = findRegionValues(params.regions, s.points);
   if (!params.regions.empty()) s.model->pointMaterials()->setMaterial(findShares(params.material, params.material, s.values));
@@ -149,7 +151,7 @@ void noteBridgedGaps(const SceneParams& params, RestSurface& s) {
     bridged += std::none_of(nearest.begin(), nearest.end(), [&](const auto& p) { return s.rings.open[p.index] != 0; });
   }
   if (bridged < kFewOfRim) return;
-  s.notes.push_back(count(bridged, "points of the cloud lie at the rims of holes or slits that the simulation points, ") +
+  s.notes.push_back(formatCount(bridged, "points of the cloud lie at the rims of holes or slits that the simulation points, ") +
                     formatShort(findSpacing(s.area, s.points.size())) +
                     " m apart, bridge: the surface is too stiff there, which the error estimate does not show; more simulation "
                     "points resolve them");
@@ -172,7 +174,8 @@ void warnOfLostArea(RestSurface& s) {
   Index bare = 0;
   for (Index i = 0; i < n; ++i) bare += area[i] < kNoArea * covered[i];
   if (!(bare > kBare * n)) return;
-  s.warnings.push_back(std::to_string(bare) + " of " + count(n, "points have next to no triangles around them, and what they ") +
+  s.warnings.push_back(std::to_string(bare) + " of " +
+                       formatCount(n, "points have next to no triangles around them, and what they ") +
                        "cover is lost: the surface has only " + formatShort(s.area) + " m^2 and " + formatShort(sumMasses(s)) +
                        " kg, and may fall apart; a cloud sampled evenly avoids this");
 }
@@ -181,9 +184,9 @@ void warnOfLostArea(RestSurface& s) {
 void requireRegions(const SceneParams& params, const RestSurface& s) {
   for (std::size_t r = 0; r < params.regions.size(); ++r)
     if (std::none_of(s.points.begin(), s.points.end(), [&](const Vec3& p) { return params.regions[r].region.contains(p); }))
-      throw InputError(
-          "regions[" + std::to_string(r) + "]: the shape holds none of the " +
-          count(static_cast<Index>(s.points.size()), "simulation points at rest; accepted: a shape that holds at least one"));
+      throw InputError("regions[" + std::to_string(r) + "]: the shape holds none of the " +
+                       formatCount(static_cast<Index>(s.points.size()),
+                                   "simulation points at rest; accepted: a shape that holds at least one"));
 }
 
 // Simulation points of a full surface and their surroundings.
@@ -199,10 +202,10 @@ void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, Re
     dropped = connect(params, s, s.order.keepCount(asked + more), s);
   }
   if (std::int64_t{asked - static_cast<Index>(s.points.size())} * kCountTolerance > asked)
-    s.notes.push_back(count(asked, "simulation points were chosen, of which ") +
-                      count(static_cast<Index>(s.points.size()),
-                            "are left: the others belong to no surface, or to no part "
-                            "that is kept"));
+    s.notes.push_back(formatCount(asked, "simulation points were chosen, of which ") +
+                      formatCount(static_cast<Index>(s.points.size()),
+                                  "are left: the others belong to no surface, or to no part "
+                                  "that is kept"));
   if (dropped > 0)
     s.notes.push_back("simulation points that no triangle connects with others: " + std::to_string(dropped) +
                       " (they follow the nearest ones and have no contact)");

@@ -3,7 +3,6 @@
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/kd_tree.h"
-#include "settle_particles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,14 +21,14 @@ constexpr double kMostScattered = 1.0 / 3.0;  // of the particles: 0.31 at most 
 constexpr Index kRounds = 8, kRoundIterations = 4, kLastIterations = 10;  // hundreds of steps
 
 // Where the samples would have the particles. Where these scatter, as at sharp edges, particles stay.
-model::State moveOnto(const std::vector<SampleOffset>& offsets, const std::vector<char>& held,
-                      const std::vector<char>& held_turns, double spacing, const model::State& state) {
+model::State moveOnto(const std::vector<SampleOffset>& offsets, const HeldPoints& held, double spacing,
+                      const model::State& state) {
   model::State moved = state;
   for (Index i = 0; i < state.size(); ++i) {
     if (!(offsets[i].scatter <= kNoisy * spacing)) continue;
     const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
-    if (!held[i]) moved.positions[i] += offsets[i].height * normal;
-    if (held_turns[i]) continue;
+    if (!held.places[i]) moved.positions[i] += offsets[i].height * normal;
+    if (held.turns[i]) continue;
     moved.orientations[i] = (Quaternion::FromTwoVectors(normal, normal - offsets[i].slope) * state.orientations[i]).normalized();
   }
   return moved;
@@ -92,16 +91,16 @@ bool areNoisy(const std::vector<SampleOffset>& offsets, double spacing) {
   return scattered > kMostScattered * offsets.size();
 }
 
-void settleOnSamples(const Points& samples, const Points& normals, const std::vector<char>& held,
-                     const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state) {
-  restoreShape(model, held, held_turns, state);
+void settleOnSamples(const Points& samples, const Points& normals, const HeldPoints& held, model::OrientedParticles& model,
+                     model::State& state) {
+  restoreShape(model, held, state);
   for (Index round = 1; round <= kRounds; ++round) {
     endIfInterrupted();
     model::State found = state;
     model.adopt(found);
     model.keepShape(found);
     const double spacing = model.lattice().spacing;
-    model::State target = moveOnto(findSampleOffsets(samples, normals, spacing, found), held, held_turns, spacing, state);
+    model::State target = moveOnto(findSampleOffsets(samples, normals, spacing, found), held, spacing, state);
     model::State wanted = target;
     model.adopt(wanted);
     model.keepShape(wanted);
@@ -109,7 +108,7 @@ void settleOnSamples(const Points& samples, const Points& normals, const std::ve
       target.traits[i].rest_curvature += wanted.traits[i].rest_curvature - found.traits[i].rest_curvature;
     model.setSpacing(model.findSpacingWithoutTension(target));
     state = target;
-    relaxFar(model, held, held_turns, round < kRounds ? kRoundIterations : kLastIterations, state);
+    relaxFar(model, held, round < kRounds ? kRoundIterations : kLastIterations, state);
   }
 }
 

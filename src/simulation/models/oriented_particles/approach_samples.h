@@ -3,6 +3,8 @@
 
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 
+#include "settle_particles.h"
+
 namespace deformable_surface::simulation {
 
 /// Where the surface through the samples around a particle lies, seen from the particle.
@@ -25,8 +27,8 @@ bool areNoisy(const std::vector<SampleOffset>& offsets, double spacing);
 /// Particles grown through samples, with the rest curvatures of the grown surface, towards an equilibrium that lies on the
 /// samples. Progressive and iterative: each round moves particles onto the samples, adds the curvature of that move to their rest
 /// curvature, takes the spacing without tension, and lets them go for some hundreds of steps. The spacing of the lattice and
-/// rest curvatures change. held, held_turns (n): 1 = stays, does not turn.
-void settleOnSamples(const Points& samples, const Points& normals, const std::vector<char>& held,
-                     const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state);
+/// rest curvatures change.
+void settleOnSamples(const Points& samples, const Points& normals, const HeldPoints& held, model::OrientedParticles& model,
+                     model::State& state);
 
 }  // namespace deformable_surface::simulation

@@ -33,8 +33,7 @@ constexpr double kClosest = 0.3;         // of the spacing: as near as particles
 // Growth leaves varying distances, and not the area of as many particles of a lattice. At the stated spacing the whole surface
 // would pull, and closed surfaces would contract. Particles slide until they are evenly spaced, and the
 // lattice takes the spacing at which they have no tension as a whole.
-void takeSpacingOf(const std::vector<char>& fixed, const std::vector<char>& fixed_turns, model::OrientedParticles& particles,
-                   State& state) {
+void takeSpacingOf(const HeldPoints& fixed, model::OrientedParticles& particles, State& state) {
   cloud::CleanCloud surface;
   surface.positions = state.positions;
   for (const Quaternion& q : state.orientations) surface.normals.push_back(q * Vec3::UnitZ());
@@ -42,7 +41,7 @@ void takeSpacingOf(const std::vector<char>& fixed, const std::vector<char>& fixe
   const double even = attraction.measureSpacing(state);
   if (even > 0.0) attraction.setSpacing(even);
   attraction.leaveOnlyAttraction();
-  slideParticles(surface, attraction, fixed, fixed_turns, state);
+  slideParticles(surface, attraction, fixed, state);
   particles.setSpacing(particles.findSpacingWithoutTension(state));
 }
 
@@ -197,8 +196,8 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   after.positions = grown.positions;
   after.orientations = grown.orientations;
   // A separate dynamics for the particles alone, without loads.
-  std::vector<char> fixed = held, fixed_turns = held_turns;
-  for (std::vector<char>* which : {&fixed, &fixed_turns}) {
+  HeldPoints fixed{held, held_turns};
+  for (std::vector<char>* which : {&fixed.places, &fixed.turns}) {
     which->resize(after.positions.size(), 0);
     if (!lets_go) std::fill_n(which->begin(), before, char{1});
   }
@@ -206,23 +205,23 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   particles.setCuts(cuts);
   particles.adopt(after);
   State trial = after;
-  if (keeps_shape && is_start) takeSpacingOf(fixed, fixed_turns, particles, trial);
+  if (keeps_shape && is_start) takeSpacingOf(fixed, particles, trial);
   if (keeps_shape) particles.keepShape(trial);
   if (keeps_shape && growth.noise > 0.0) particles.smoothShape(kSmoothings, trial);
   // Existing particles keep their motion and, except at the start, their rest shape: their bending may come from a load.
   for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = after.traits[i].rest_curvature;
   const double rest_spacing = particles.lattice().spacing, least = kClosest * rest_spacing;
-  moveApart(least, fixed, trial);
+  moveApart(least, fixed.places, trial);
   const bool remembers = keeps_shape && is_start && !(growth.noise > 0.0);
   if (remembers && lets_go && !growth.chain && before > 0 &&
       !areNoisy(findSampleOffsets(samples, sample_normals, rest_spacing, trial), rest_spacing)) {
-    settleOnSamples(samples, sample_normals, fixed, fixed_turns, particles, trial);
+    settleOnSamples(samples, sample_normals, fixed, particles, trial);
   } else if (remembers) {
-    relaxInShape(particles, fixed, fixed_turns, trial);
+    relaxInShape(particles, fixed, trial);
   } else {
-    relaxParticles(particles, fixed, fixed_turns, kLastIterations, kLastTolerance, trial);
+    relaxParticles(particles, fixed, kLastIterations, kLastTolerance, trial);
   }
-  const Index near_pairs = moveApart(least, fixed, trial);
+  const Index near_pairs = moveApart(least, fixed.places, trial);
   after.positions = trial.positions;
   after.orientations = trial.orientations;
   after.traits = trial.traits;

@@ -88,6 +88,15 @@ class OrientedParticlesKind : public ModelKind {
     return copyCoarserParticles(params, of);
   }
 
+  std::vector<std::pair<Index, Index>> linkPartners(const model::DeformableModel& model, const Points& rest) const override {
+    OrientedParticles begun = static_cast<const OrientedParticles&>(model);
+    model::State state;
+    state.positions = rest;
+    model::beginAtRest(begun, state);
+    begun.followPartners(state);
+    return begun.linkPartners();
+  }
+
   std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams& params,
                                               const model::DeformableModel& model) const override {
     return std::make_unique<ParticleFollower>(rest, params.transfer, static_cast<const OrientedParticles&>(model));

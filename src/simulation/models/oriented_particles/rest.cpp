@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
@@ -125,11 +126,8 @@ void takePlaces(const model::State& state, model::OrientedParticles& model, Rest
 
 // Which pins hold while particles settle: those with no other pinned particle within reach of a bond. Pinned neighbours that
 // stayed at uneven distances would strain the surface beside them, and a thin one buckles under this stress at the smallest load.
-struct Settling {
-  std::vector<char> held, held_turns;
-};
-Settling releasePinnedNeighbors(double reach, const RestSurface& s) {
-  Settling settling{s.pinned, s.pinned_turns};
+HeldPoints releasePinnedNeighbors(double reach, const RestSurface& s) {
+  HeldPoints held{s.pinned, s.pinned_turns};
   const cloud::KdTree tree(s.points);
   std::vector<cloud::Neighbor> near;
   for (std::size_t i = 0; i < s.points.size(); ++i) {
@@ -138,9 +136,9 @@ Settling releasePinnedNeighbors(double reach, const RestSurface& s) {
     const auto isOther = [&](const cloud::Neighbor& other) {
       return other.index != static_cast<Index>(i) && s.pinned[other.index];
     };
-    if (std::any_of(near.begin(), near.end(), isOther)) settling.held[i] = settling.held_turns[i] = 0;
+    if (std::any_of(near.begin(), near.end(), isOther)) held.places[i] = held.turns[i] = 0;
   }
-  return settling;
+  return held;
 }
 
 // Neighbours on the surface keep their bonds, with the shape that they have now.
@@ -152,7 +150,7 @@ void keepBonds(const model::State& state, Index k, model::OrientedParticles& mod
   }
   const Index alone = static_cast<Index>(std::count(rings.area.begin(), rings.area.end(), 0.0));
   if (alone > 0)
-    throw InputError("oriented_particles.bonds: found kept with " + count(alone, "particles that belong to no triangle") +
+    throw InputError("oriented_particles.bonds: found kept with " + formatCount(alone, "particles that belong to no triangle") +
                      "; accepted: clouds of a surface without single points, or free");
   s.area = 0.0;
   for (const double area : rings.area) s.area += area;
@@ -168,10 +166,10 @@ void takeCloudAsRest(Index k, model::OrientedParticles& model, RestSurface& s) {
   state.positions = s.points;
   model.beginAtRest(state);
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !s.creased[i];
-  const Settling settling = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
+  const HeldPoints held = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
   if (model.params().bonds == model::ParticleBonds::kKept) {
     const Points before = s.points;
-    slideParticles(s.dense, attraction, settling.held, settling.held_turns, state);
+    slideParticles(s.dense, attraction, held, state);
     takePlaces(state, model, s);
     keepBonds(state, k, model, s);
     const Settled moves = measureMoves(before, s.points);
@@ -181,7 +179,7 @@ void takeCloudAsRest(Index k, model::OrientedParticles& model, RestSurface& s) {
                         ") before time 0 until they were even; the cloud's points follow them");
     return;
   }
-  const Settled settled = settleParticles(s.dense, attraction, settling.held, settling.held_turns, model, state);
+  const Settled settled = settleParticles(s.dense, attraction, held, model, state);
   if (!(settled.largest > 0.0)) return;
   takePlaces(state, model, s);
   s.notes.push_back("particles moved by " + formatShort(settled.root_mean_square / spacing) + " spacings (rms; at most " +
@@ -209,13 +207,13 @@ void partCrushed(model::OrientedParticles& model, RestSurface& s) {
   model::State state;
   state.positions = s.points;
   model.beginAtRest(state);
-  const Settling settling = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
-  if (!slideParticles(s.dense, attraction, settling.held, settling.held_turns, state)) return;
+  const HeldPoints held = releasePinnedNeighbors(model.lattice().pair.cutoff, s);
+  if (!slideParticles(s.dense, attraction, held, state)) return;
   model.keepLayers(state);
   const Settled moves = measureMoves(s.points, state.positions);
   takePlaces(state, model, s);
   const double spacing = model.lattice().spacing;
-  s.notes.push_back(count(crushed, "particles were nearer to another than bonds can hold: all slid over the surface by ") +
+  s.notes.push_back(formatCount(crushed, "particles were nearer to another than bonds can hold: all slid over the surface by ") +
                     formatShort(moves.root_mean_square / spacing) + " spacings (rms; at most " +
                     formatShort(moves.largest / spacing) + ") before time 0 to become even; the cloud's points follow them");
 }
@@ -232,14 +230,14 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
     }
     if (!(spacing > 0.0))
       throw InputError("oriented_particles.spacing: found auto, but the " +
-                       count(m, "points span no surface; accepted: a number"));
+                       formatCount(m, "points span no surface; accepted: a number"));
   }
   // Particles near in space but apart along the surface at rest do not interact.
   Lists apart;
   if (!params.neighbors.areEuclidean()) apart = cloud::findRefusedPairs(s.points, s.cells.neighbors);
   if (!apart.items.empty())
-    s.notes.push_back(count(static_cast<Index>(apart.items.size() / 2),
-                            "pairs of particles are apart over the surface: no bonds form between them"));
+    s.notes.push_back(formatCount(static_cast<Index>(apart.items.size() / 2),
+                                  "pairs of particles are apart over the surface: no bonds form between them"));
   auto particles =
       std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles, apart);
   s.creased.assign(m, 0);
@@ -249,7 +247,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
       if (params.creases[c].region.contains(s.points[i])) s.creased[i] = holds_any = true;
     if (!holds_any)
       throw InputError("creases[" + std::to_string(c) + "]: the shape holds none of the " +
-                       count(m, "particles at rest; accepted: a shape that holds at least one"));
+                       formatCount(m, "particles at rest; accepted: a shape that holds at least one"));
   }
   if (params.oriented_particles.mode == model::ParticleMode::kPlane) s.across = Vec3::UnitY();
   s.area = m * particles->lattice().area_per_particle;
@@ -287,11 +285,12 @@ RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud&
   leaveOutParts(params, findNeighbors, s);
   FoundNeighbors found = findNeighbors(params, s);
   const bool are_samples = params.oriented_particles.grow_surface && s.dense.normals.empty() && !is_curve;
+  const std::size_t num_notes = s.notes.size();
   cloud::Boundary boundary =
       is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(found.normals), s);
   if (are_samples && !areSmooth(s.dense.positions, s.dense.normals)) {
     s.dense.normals.clear();
-    s.notes.pop_back();  // the side of the normals, which is now told anew
+    s.notes.resize(num_notes);  // the side of the normals is told anew
     boundary = completeSampleNormals(viewpoint, s);
   }
   std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);

@@ -49,13 +49,13 @@ Place findSurface(const cloud::CleanCloud& dense, const std::vector<cloud::Neigh
 }
 
 // lengthening: of the relaxation's longest step, which is 0.4 of the stable one.
-void relax(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
-           const solve::IntegratorParams& params, double lengthening, model::State& state) {
+void relax(model::OrientedParticles& model, const HeldPoints& held, const solve::IntegratorParams& params, double lengthening,
+           model::State& state) {
   model.adopt(state);
   state.velocities.assign(state.positions.size(), Vec3::Zero());
   state.spins.assign(state.positions.size(), Vec3::Zero());
   const std::vector<const solve::ExternalLoad*> no_loads;
-  const solve::System system(model, no_loads, held, 0.0, &held_turns);
+  const solve::System system(model, no_loads, held.places, 0.0, &held.turns);
   solve::makeIntegrator(solve::IntegratorType::kStatic, params, true)
       ->advance(system, 0.0, 1.0, lengthening * model.findStableStep(state), state);
 }
@@ -74,8 +74,8 @@ Settled measureMoves(const Points& from, const Points& to) {
   return moves;
 }
 
-bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
-                    const std::vector<char>& held_turns, model::State& state) {
+bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const HeldPoints& held,
+                    model::State& state) {
   const model::Lattice& lattice = attraction.lattice();
   // A particle between neighbours all around: each ordered pair counts, and directions in the plane by half.
   const double stiffness = 6.0 * model::findLennardJonesCurvature(lattice.pair, lattice.pair.distance);
@@ -97,14 +97,14 @@ bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticl
         const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
         move -= normal * normal.dot(move);
         const double length = move.norm();
-        moved[i] = held[i] ? 0.0 : length;
+        moved[i] = held.places[i] ? 0.0 : length;
         if (sweep == 0) continue;  // only looks
-        if (!held[i]) state.positions[i] += length > longest ? Vec3(longest / length * move) : move;
-        if (held[i] && held_turns[i]) continue;
+        if (!held.places[i]) state.positions[i] += length > longest ? Vec3(longest / length * move) : move;
+        if (held.places[i] && held.turns[i]) continue;
         nearest.find(i, state.positions[i], near);
         const Place place = findSurface(dense, near, state.positions[i], normal);
-        if (!held[i]) state.positions[i] = place.point;
-        if (!held_turns[i])
+        if (!held.places[i]) state.positions[i] = place.point;
+        if (!held.turns[i])
           state.orientations[i] = (Quaternion::FromTwoVectors(normal, place.normal) * state.orientations[i]).normalized();
       }
     });
@@ -116,30 +116,28 @@ bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticl
   return is_moved;
 }
 
-void relaxParticles(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
-                    Index max_iterations, double tolerance, model::State& state) {
+void relaxParticles(model::OrientedParticles& model, const HeldPoints& held, Index max_iterations, double tolerance,
+                    model::State& state) {
   solve::IntegratorParams params;
   params.max_iterations = max_iterations;
   params.tolerance = tolerance;
-  relax(model, held, held_turns, params, 1.0, state);
+  relax(model, held, params, 1.0, state);
 }
 
-void relaxFar(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
-              Index max_iterations, model::State& state) {
+void relaxFar(model::OrientedParticles& model, const HeldPoints& held, Index max_iterations, model::State& state) {
   constexpr double kLengthening = 2.0;  // steps of up to 0.8 of the stable one: on five shapes of 600 samples, beside 0.4
   solve::IntegratorParams params;
   params.tolerance = kTolerance;
   params.max_iterations = max_iterations;
-  relax(model, held, held_turns, params, kLengthening, state);
+  relax(model, held, params, kLengthening, state);
 }
 
-void restoreShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
-                  model::State& state) {
+void restoreShape(model::OrientedParticles& model, const HeldPoints& held, model::State& state) {
   // Chosen on a sphere, a torus and a pretzel of 600 samples: with more rounds the pretzel tore after time 0.
   constexpr Index kRounds = 8, kFewIterations = 2;
   const std::vector<model::ParticleTraits> given = state.traits;
   for (Index round = 0; round < kRounds; ++round) {
-    relaxFar(model, held, held_turns, kFewIterations, state);
+    relaxFar(model, held, kFewIterations, state);
     model::State found = state;
     model.keepShape(found);
     for (Index i = 0; i < state.size(); ++i)
@@ -147,12 +145,11 @@ void restoreShape(model::OrientedParticles& model, const std::vector<char>& held
   }
 }
 
-void relaxInShape(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
-                  model::State& state) {
+void relaxInShape(model::OrientedParticles& model, const HeldPoints& held, model::State& state) {
   // With 8 three of ten seeds of the scene particles_fit were not at rest.
   constexpr Index kLastIterations = 20;
-  restoreShape(model, held, held_turns, state);
-  relaxFar(model, held, held_turns, kLastIterations, state);
+  restoreShape(model, held, state);
+  relaxFar(model, held, kLastIterations, state);
 }
 
 double findUnrest(const model::OrientedParticles& model, const std::vector<char>& held, const model::State& state) {
@@ -169,10 +166,10 @@ double findUnrest(const model::OrientedParticles& model, const std::vector<char>
   return largest > kUnrest * bond ? largest / model.masses().front() : 0.0;
 }
 
-Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
-                        const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state) {
+Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const HeldPoints& held,
+                        model::OrientedParticles& model, model::State& state) {
   const Points before = state.positions;
-  const bool has_slid = slideParticles(dense, attraction, held, held_turns, state);
+  const bool has_slid = slideParticles(dense, attraction, held, state);
   model.keepLayers(state);
   model.keepShape(state);
   const double flat = kFlat / model.lattice().spacing;
@@ -186,7 +183,7 @@ Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedPar
     return settled;
   }
   const model::State even = state;
-  relaxParticles(model, held, held_turns, kMaxIterations, kTolerance, state);
+  relaxParticles(model, held, kMaxIterations, kTolerance, state);
   const bool is_near = measureMoves(even.positions, state.positions).root_mean_square < kNear * model.lattice().spacing;
   if (!is_near) state = even;
   settled = measureMoves(before, state.positions);
