@@ -11,12 +11,17 @@
 #include "deformable_surface/simulation/input_filter_params.h"
 #include "deformable_surface/simulation/model_params.h"
 #include "deformable_surface/simulation/sleep_params.h"
+#include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
 #include "deformable_surface/tool/robot_params.h"
 #include "deformable_surface/tool/tool_params.h"
 #include "deformable_surface/transfer/transfer_params.h"
 
+#include <algorithm>
+#include <cmath>
+#include <set>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace deformable_surface::simulation {
