@@ -37,9 +37,15 @@ Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const t
   server_ = std::make_unique<Server>(
       node, kRolloutName, [this](Server::GoalHandle goal) { accept(std::move(goal)); },
       [this](const Server::GoalHandle& goal) { cancel(goal); }, false);
-  for (int k = 0; k < num_threads; ++k) threads_.emplace_back([this] { work(); });
   start(node);
   queue_thread_.start();
+  // Last: what is thrown above finds none of them, and those that run end if one cannot be started.
+  try {
+    for (int k = 0; k < num_threads; ++k) threads_.emplace_back([this] { work(); });
+  } catch (...) {
+    endThreads();
+    throw;
+  }
 }
 
 // Server and client read these parameters. The server publishes its status regularly, by default so often that it would wake a
@@ -58,6 +64,13 @@ void Rollouts::start(const ros::NodeHandle& node) {
 
 // The inbox is closed already: no call waits for the simulation thread any more.
 Rollouts::~Rollouts() {
+  endThreads();
+  queue_thread_.stop();
+  waiting_.clear();
+  server_.reset();
+}
+
+void Rollouts::endThreads() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     is_ended_ = true;
@@ -65,9 +78,6 @@ Rollouts::~Rollouts() {
   }
   came_.notify_all();
   for (std::thread& thread : threads_) thread.join();
-  queue_thread_.stop();
-  waiting_.clear();
-  server_.reset();
 }
 
 void Rollouts::requireRoom() {

@@ -53,6 +53,7 @@ class Rollouts {
   void accept(Server::GoalHandle goal);
   void cancel(const Server::GoalHandle& goal);
   void work();
+  void endThreads();
   void run(Job& job);
 
   Inbox& inbox_;
