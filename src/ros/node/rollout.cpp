@@ -115,16 +115,21 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
   const SurfaceEncoder encoder(copy.input(), copy.params().output.normals, copy.params().output.error);
   auto cloud = plan.cloud_steps.begin();
   auto sample = plan.sample_steps.begin();
+  std::uint64_t num_points = 0;  // of all clouds
+  // Returns whether there was room.
   const auto record = [&](std::uint64_t step) {
     std_msgs::Header header;
     header.frame_id = surface_frame;
     header.stamp.fromNSec(static_cast<std::uint64_t>(schedule.begin(plan.first + step)));
     if (cloud != plan.cloud_steps.end() && *cloud == step) {
       ++cloud;
+      const simulation::Surface* const full = plan.clouds == RolloutGoal::FULL ? &copy.surface(true) : nullptr;
+      num_points += full ? full->positions.size() : copy.state().positions.size();
+      if (num_points > plan.most_points) return false;
       result.clouds.emplace_back();
       result.clouds.back().header = header;
-      if (plan.clouds == RolloutGoal::FULL) {
-        encoder.encode(copy.surface(true), result.clouds.back());
+      if (full) {
+        encoder.encode(*full, result.clouds.back());
       } else {
         encodeSimulationPoints(copy, result.clouds.back());
       }
@@ -136,6 +141,7 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
       encodeStatistics(copy.statistics(), plan.cloud, result.statistics.back());
       result.statistics.back().header = header;
     }
+    return true;
   };
   const auto end = [&](RolloutEnd how, const std::string& message) {
     result.success = how == RolloutEnd::kDone;
@@ -145,7 +151,7 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
   };
 
   std::string notices;
-  record(0);
+  bool has_room = record(0);
   for (std::uint64_t step = 1; step <= plan.steps; ++step) {
     if (!goes_on(static_cast<double>(step - 1) / static_cast<double>(plan.steps)))
       return end(RolloutEnd::kStopped,
@@ -155,7 +161,12 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
       return end(RolloutEnd::kStopped, "stopped in step " + std::to_string(step) + " of " + std::to_string(plan.steps));
     if (!outcome.ok) return end(RolloutEnd::kFailed, outcome.problem);
     if (notices.empty()) notices = outcome.notice;
-    record(step);
+    has_room = has_room && record(step);
+    if (!has_room)
+      return end(RolloutEnd::kFailed,
+                 "cloud_times: found " + std::to_string(num_points) + " points in " + std::to_string(result.clouds.size() + 1) +
+                     " clouds, as points were added; accepted: up to " + std::to_string(plan.most_points) +
+                     " points in all (ended after step " + std::to_string(step) + " of " + std::to_string(plan.steps) + ")");
   }
   appendNotice(notices, copy.lastingNotices());
   return end(RolloutEnd::kDone, "took " + std::to_string(plan.steps) + " steps" + (notices.empty() ? "" : "; " + notices));

@@ -25,6 +25,7 @@ constexpr std::uint64_t kMaxRolloutPoints = 4000000, kMaxRolloutSamples = 20000;
 struct RolloutPlan {
   std::uint64_t first = 0, steps = 0;                    // the first step and the number of steps
   std::vector<std::uint64_t> cloud_steps, sample_steps;  // ascending: after so many steps of the rollout
+  std::uint64_t most_points = kMaxRolloutPoints;         // of all clouds; points may be added in the steps
   std::uint8_t clouds = RolloutGoal::NONE;
   CloudId cloud;  // of the surface
 };
@@ -35,7 +36,8 @@ RolloutPlan prepareRollout(const RolloutGoal& goal, const std::string& surface_f
 
 enum class RolloutEnd { kDone, kStopped, kFailed };
 
-/// Takes the steps. goes_on is called before each with the progress, 0 to 1. Fills the result as far as it came.
+/// Takes the steps; fails where the clouds come to more points than the plan has. goes_on is called before each with the
+/// progress, 0 to 1. Fills the result as far as it came.
 RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame, const StepSchedule& schedule,
                       const std::function<bool(double progress)>& goes_on, simulation::Simulation& copy, RolloutResult& result);
 
