@@ -19,12 +19,6 @@ namespace {
   throw InputError(file + ": cannot be written; accepted: a file in a folder that can be written, with room on the disk");
 }
 
-std::string formatExactly(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
-
 // A field of a CSV file (RFC 4180).
 std::string quoteCsv(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -40,6 +34,12 @@ std::string nameStatistics() {
 }
 
 }  // namespace
+
+std::string formatExactly(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
 
 bool Pace::isDue(double time) {
   if (time + tolerance_ < static_cast<double>(count_) / rate_) return false;

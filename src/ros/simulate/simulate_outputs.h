@@ -19,6 +19,9 @@
 
 namespace deformable_surface::node {
 
+/// All digits of a number, as CSV files and --measure have them.
+std::string formatExactly(double value);
+
 /// When the next output of a rate is due: at the first step at or after each multiple of its period, and at most once per step.
 class Pace {
  public:

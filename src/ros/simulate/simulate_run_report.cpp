@@ -68,11 +68,9 @@ void Run::measure() {
   for (const std::string& name : options_.measured) {
     const std::string quantity = io::findNewQuantity(name);
     if (quantity != name) note(io::describeNewName("the quantity " + name, quantity));
-    char text[32];
     try {
       const double found = simulation::computeQuantity(quantity, *simulation_);
-      std::snprintf(text, sizeof text, "%.17g", found);
-      terminal_.out << "measured " << name << ' ' << text << '\n';
+      terminal_.out << "measured " << name << ' ' << formatExactly(found) << '\n';
       const simulation::Statistics now = simulation_->statistics();
       if (quantity == "error_estimate" && std::isinf(found))
         note("error_estimate is measured as infinite: " +
