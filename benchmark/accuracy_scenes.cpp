@@ -6,9 +6,9 @@
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/io/shapes.h"
 #include "physics/references.h"
+#include "physics/samplings.h"
 #include "swinging_sheet.h"
 
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 
@@ -54,9 +54,7 @@ AccuracyScene makeSag(Index points) {
 
 // The points of the scan that simplification keeps: real sampling, with few enough points to be simulated without simplification.
 cloud::PointCloud readScan(Index points) {
-  const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
-  std::ifstream file(std::string(given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data") +
-                     "/open3d_bunny/bunnyData.pts");
+  std::ifstream file(physics::dataFolder() + "/open3d_bunny/bunnyData.pts");
   cloud::PointCloud scan;
   std::size_t count = 0;
   file >> count;

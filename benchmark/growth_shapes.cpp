@@ -2,10 +2,10 @@
 
 #include "deformable_surface/cloud/kd_tree.h"
 #include "mesh_measures.h"
+#include "physics/samplings.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <random>
 
@@ -225,11 +225,6 @@ const Formula kFormulas[] = {
 
 const char* const kScans[] = {"cgal_points/elephant.off", "cgal_points/bear.off", "odedstein_meshes/spot_low_resolution.obj"};
 
-std::string dataFolder() {
-  const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
-  return given ? given : "";
-}
-
 // Places drawn evenly on the triangles of a mesh.
 void addMesh(const TriangleMesh& mesh, Random& random, GrowthShape& shape) {
   std::vector<double> until;  // sums of areas
@@ -271,8 +266,8 @@ GrowthShape makeGrowthShape(const std::string& name) {
     shape.kind = formula.kind;
     formula.add(random, shape);
   }
-  if (shape.surface.positions.empty() && !dataFolder().empty()) {
-    TriangleMesh mesh = readTriangles(dataFolder() + "/" + name);
+  if (shape.surface.positions.empty() && !physics::dataFolder().empty()) {
+    TriangleMesh mesh = readTriangles(physics::dataFolder() + "/" + name);
     if (mesh.triangles.empty()) return shape;
     // One metre across.
     Vec3 low = mesh.vertices[0], high = low;

@@ -6,10 +6,10 @@
 #include "deformable_surface/simulation/simulation.h"
 #include "heap_counter.h"
 #include "measure.h"
+#include "physics/samplings.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -24,11 +24,6 @@ namespace {
 constexpr Index kSimulationPoints = 2000;
 constexpr const char* kScans[] = {"open3d_bunny/bunnyData.pcd", "pcl_scans/rops_cloud.pcd",   "ros_package_scans/plane_noisy.pcd",
                                   "pcl_scans/cturtle.pcd",      "pcl_data_kinect/person.pcd", "pcl_scans/five_people.pcd"};
-
-std::string findFolder() {
-  const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
-  return given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data";
-}
 
 // Standard deviation of the nearest distance over its mean.
 double findSpacingVariation(const Points& points) {
@@ -86,7 +81,7 @@ void addScan(const std::string& name, const cloud::PointCloud& scan, Report& rep
 
 std::optional<cloud::PointCloud> readScan(const std::string& name) {
 #ifdef DEFORMABLE_SURFACE_WITH_PCL
-  const std::string path = findFolder() + "/" + name;
+  const std::string path = physics::dataFolder() + "/" + name;
   pcl::PointCloud<pcl::PointXYZ> read;
   if (!std::ifstream(path) || pcl::io::loadPCDFile(path, read) != 0) return std::nullopt;
   cloud::PointCloud scan;

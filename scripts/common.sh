@@ -10,6 +10,12 @@ export PATH=/usr/bin:/bin:$PATH
 
 fail() { echo "$(basename "$0"): $*" >&2; exit 1; }
 
+# Real scans, where a folder of them is beside the repository: tests and benchmarks that need one leave it out without it.
+if [ -z "${DEFORMABLE_SURFACE_DATA:-}" ] && [ -d "$repository/../shared/data" ]; then
+  DEFORMABLE_SURFACE_DATA=$(cd "$repository/../shared/data" && pwd)
+fi
+export DEFORMABLE_SURFACE_DATA=${DEFORMABLE_SURFACE_DATA:-}
+
 # ---- packages ----
 
 debian_packages=(

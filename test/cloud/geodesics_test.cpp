@@ -9,13 +9,13 @@
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "support/gaps.h"
+#include "support/shared_data.h"
 #include "test_surfaces.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -697,9 +697,8 @@ struct Garment {
 };
 
 std::optional<Garment> readGarment(const std::string& name) {
-  const char* folder = std::getenv("DEFORMABLE_SURFACE_DATA");
-  std::ifstream file(std::string(folder ? folder : "") + "/" + name);
-  if (!folder || !file) return std::nullopt;
+  std::ifstream file(test::sharedFolder() + "/" + name);
+  if (!file) return std::nullopt;
   Garment garment;
   std::vector<std::array<Index, 3>> faces;
   for (std::string line; std::getline(file, line);) {

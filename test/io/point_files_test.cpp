@@ -3,12 +3,12 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "support/comma_locale.h"
+#include "support/shared_data.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -446,8 +446,7 @@ TEST_F(PointFiles, RefusesPlacesThatCannotBeWritten) {
 }
 
 TEST(PointFilesOfTheWorld, ReadsRealScans) {
-  const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
-  const std::string folder = given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data";
+  const std::string folder = test::sharedFolder();
   if (!std::ifstream(folder + "/INDEX.md")) GTEST_SKIP() << "no real data: set DEFORMABLE_SURFACE_DATA to its folder";
   struct Scan {
     const char* file;

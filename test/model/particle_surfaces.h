@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cloud/test_surfaces.h"
+#include "support/shared_data.h"
 
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -52,8 +52,7 @@ inline double measureSpacing(const TestSurface& surface) {
 /// Lines of x y z nx ny nz of a text file (.xyz, or .pcd after its header) in the folder of real data; empty if the file is
 /// missing.
 inline TestSurface readRealData(const std::string& name) {
-  const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
-  std::ifstream file(std::string(given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data") + "/" + name);
+  std::ifstream file(test::sharedFolder() + "/" + name);
   TestSurface surface;
   for (std::string line; std::getline(file, line);) {
     std::istringstream words(line);

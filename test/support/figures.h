@@ -6,11 +6,11 @@
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/simulation.h"
+#include "shared_data.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -30,16 +30,10 @@ inline Points readPoints(const std::string& file) {
   return points;
 }
 
-/// The folder of clouds and meshes that developers have and that are not shipped.
-inline std::string sharedFolder() {
-  const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
-  return given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data";
-}
-
-/// A file in it; empty if the folder is not set.
+/// A file in the folder of shared data; empty if it is not there.
 inline Points readSharedPoints(const std::string& name) { return readPoints(sharedFolder() + "/" + name); }
 
-/// The faces (lines that begin with f) of an .obj file in it.
+/// The faces (lines that begin with f) of an .obj file there.
 inline std::vector<std::vector<Index>> readSharedFaces(const std::string& name) {
   std::ifstream stream(sharedFolder() + "/" + name);
   std::vector<std::vector<Index>> faces;
