@@ -86,8 +86,8 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
         formatCount(
             n,
             "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane, and with "
-            "elastic_solid.fill: true those of a closed surface (if they are layers of a body, farther apart than the points along "
-            "them: neighbors.geodesic_exponent: 1)"));
+            "elastic_solid.fill: true those of a closed surface (if they are layers of a body, farther apart than the points "
+            "along them: neighbors.geodesic_exponent: 1)"));
   return Vec3::Zero();
 }
 
