@@ -196,8 +196,11 @@ std::vector<Index> findInside(const Points& dense, const Contains& contains) {
 }
 
 [[noreturn]] void refusePin(std::size_t p, const Points& dense) {
+  Vec3 low = dense.front(), high = dense.front();
+  for (const Vec3& x : dense) low = low.cwiseMin(x), high = high.cwiseMax(x);
   throw InputError("pins[" + std::to_string(p) + "]: the shape holds none of the " +
-                   formatCount(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
+                   formatCount(static_cast<Index>(dense.size()), "points at rest, which lie from ") + formatPlace(low) + " to " +
+                   formatPlace(high) + " m; accepted: a shape that holds at least one");
 }
 
 void sortUnique(std::vector<Index>& points) {
