@@ -114,6 +114,7 @@ struct Indentation {
   double radius, depth;
   double half, height;    // of the layer: half of its width
   double young, poisson;  // young in Pa
+  model::SolidLaw law = model::SolidLaw::kCorotated;
 };
 
 /// The force on the ball, N, at rest: in equilibrium, or a quarter of a second after it was pressed in within 0.1 s. Nothing is
@@ -126,6 +127,7 @@ double findForce(const Indentation& given, const Variant& variant, double spacin
   }
   scene.material.young_modulus = given.young;
   scene.material.poisson_ratio = given.poisson;
+  scene.elastic_solid.law = given.law;
   scene.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(1.0, 1.0, 1e-9 - given.height))};
   tool::ToolParams ball;
   ball.id = "ball";
@@ -193,6 +195,11 @@ std::vector<Problem> listSolids() {
   finger.run = [](const Variant& variant, double spacing) {
     return pressBall({0.015, 0.002, 0.03, 0.03, 20e3, 0.45}, variant, spacing);
   };
+  Problem rubber = finger;
+  rubber.name = "neo-Hookean solid palpated by a ball";
+  rubber.run = [](const Variant& variant, double spacing) {
+    return pressBall({0.015, 0.002, 0.03, 0.03, 20e3, 0.3, model::SolidLaw::kNeoHookean}, variant, spacing);
+  };
   Problem moving = finger;
   moving.name = "solid palpated by a ball, in motion";
   moving.source = "the same in equilibrium";
@@ -200,8 +207,8 @@ std::vector<Problem> listSolids() {
   moving.run = [](const Variant& variant, double spacing) {
     return pressBallInMotion({0.015, 0.002, 0.03, 0.03, 20e3, 0.3}, variant, spacing);
   };
-  bar.is_solid = ball.is_solid = finger.is_solid = moving.is_solid = true;
-  return {bar, ball, finger, moving};
+  bar.is_solid = ball.is_solid = finger.is_solid = rubber.is_solid = moving.is_solid = true;
+  return {bar, ball, finger, rubber, moving};
 }
 
 }  // namespace deformable_surface::physics
