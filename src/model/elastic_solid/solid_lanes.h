@@ -141,9 +141,9 @@ DEFORMABLE_SURFACE_INLINE void findStresses(StressLaw law, double mu, double lam
     Four C;
     Double4 J;
     findCofactors(F, C, J);
-    const Double4 pressed = (lambda + mu) * (J - 1.0) - mu;
+    const Double4 factor = (lambda + mu) * (J - 1.0) - mu;
     for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) P.at[r][c] = mu * F.at[r][c] + pressed * C.at[r][c];
+      for (int c = 0; c < 3; ++c) P.at[r][c] = mu * F.at[r][c] + factor * C.at[r][c];
     return;
   }
   const double rest = law == StressLaw::kLinear ? 1.0 : 0.0;
@@ -177,9 +177,9 @@ DEFORMABLE_SURFACE_INLINE void findTangentStresses(double mu, double lambda, con
 DEFORMABLE_SURFACE_INLINE void findNeoHookeanTangentStresses(double mu, double lambda, const Four& F, const double* tangent,
                                                              Four& P) {
   Four A, C;
-  Double4 pressed, J, change{};
+  Double4 factor, J, change{};
   for (int k = 0; k < 9; ++k) load(tangent + 4 * k, A.at[k / 3][k % 3]);
-  load(tangent + 36, pressed);
+  load(tangent + 36, factor);
   findCofactors(A, C, J);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) change += C.at[r][c] * F.at[r][c];
@@ -190,7 +190,7 @@ DEFORMABLE_SURFACE_INLINE void findNeoHookeanTangentStresses(double mu, double l
       const int d = (c + 1) % 3, e = (c + 2) % 3;
       const Double4 turned =
           F.at[s][d] * A.at[t][e] + A.at[s][d] * F.at[t][e] - F.at[s][e] * A.at[t][d] - A.at[s][e] * F.at[t][d];
-      P.at[r][c] = mu * F.at[r][c] + change * C.at[r][c] + pressed * turned;
+      P.at[r][c] = mu * F.at[r][c] + change * C.at[r][c] + factor * turned;
     }
   }
 }

@@ -371,8 +371,8 @@ void SolidPasses::prepareNeoHookean(bool is_positive, Index i, const double* pos
   const Mat3 F = fitGradient(i, positions);
   double* to = tangent_.data() + 4 * kTangents * static_cast<std::size_t>(i / 4) + i % 4;
   for (int k = 0; k < 9; ++k) to[4 * k] = F(k / 3, k % 3);
-  const double pressed = neo_hookean::findFactor(rest.mu, rest.lambda, F.determinant());
-  to[36] = is_positive ? neo_hookean::limitFactor(rest.mu, rest.lambda, F, pressed) : pressed;
+  const double factor = neo_hookean::findFactor(rest.mu, rest.lambda, F.determinant());
+  to[36] = is_positive ? neo_hookean::limitFactor(rest.mu, rest.lambda, F, factor) : factor;
 }
 
 double SolidPasses::boundStiffening(Index begin, Index end, const double* positions) const {
