@@ -136,7 +136,9 @@ GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& si
   }
 
   graph.cost_is_distance = true;
-  graph.trust_radius = findTrustRadii(positions, sides, neighbors, of_body);
+  TrustRadii trusted = findTrustRadii(positions, sides, neighbors, of_body);
+  graph.trust_radius = std::move(trusted.radius);
+  graph.is_directional = trusted.is_directional;
   const std::vector<double>& radius = graph.trust_radius;
   std::vector<double> reach(n, 0.0);  // m, of the lists
   parallelFor(n, kBlock, [&](Index begin, Index end) {

@@ -73,6 +73,8 @@ const Vec3 kProbes[] = {{1, 0, 0},
                         Vec3(-1, -1, -1) / std::sqrt(3.0)};
 // Over the spanning tree's length: below it, jitter explains the length at which points of a body are surrounded.
 constexpr double kDirectional = 1.25;
+// Of a body: fewer points that are surrounded that far away alone lie where thin parts meet, and say nothing of the sampling.
+constexpr Index kDirectionalShare = 4;
 // Around a point: as many as lie within two spacings.
 constexpr Index kAround = 12;
 // Links of a point that are offered to the spanning tree: a hexagon's.
@@ -217,6 +219,28 @@ float findQuantile(std::vector<float>& values, double share) {
   return 2 * at < count ? findLastOf(at + 1, values, std::less<float>()) : findLastOf(count - at, values, std::greater<float>());
 }
 
+// Raises the radii (m) of a body if it is sampled more densely in one direction. Returns whether it is. typical: m, of the tree's
+// links around each point.
+bool holdBodyTogether(const Lists& neighbors, const std::vector<float>& squared_cover, const std::vector<double>& typical,
+                      std::vector<double>& radius) {
+  const Index n = neighbors.size();
+  const auto isDirectional = [&](double cover, Index i) { return std::isfinite(cover) && cover > kDirectional * typical[i]; };
+  Index num_directional = 0;
+  for (Index i = 0; i < n; ++i) num_directional += isDirectional(std::sqrt(squared_cover[i]), i);
+  if (num_directional == 0 || num_directional < n / kDirectionalShare) return false;
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<float> around;
+    for (Index i = begin; i < end; ++i) {
+      around.assign(1, squared_cover[i]);
+      const Index* last = neighbors.begin(i) + std::min(kAround, neighbors.count(i));
+      for (const Index* j = neighbors.begin(i); j != last; ++j) around.push_back(squared_cover[*j]);
+      const double cover = std::sqrt(findQuantile(around, kCoverQuantile));
+      if (isDirectional(cover, i)) radius[i] = std::max(radius[i], std::min(kTreeFactor * cover, kMaxCover * radius[i]));
+    }
+  });
+  return true;
+}
+
 }  // namespace
 
 double measureSquaredLength(const Points& positions, const SurfaceSides& sides, Index i, Index j) {
@@ -228,7 +252,7 @@ double measureSquaredLength(const Points& positions, const SurfaceSides& sides, 
   return std::min(smooth, measureSquaredLength(d, sides.at_creases[i], sides.at_creases[j], sides.oriented));
 }
 
-std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, bool of_body) {
+TrustRadii findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, bool of_body) {
   const Index n = neighbors.size();
   std::vector<float> squared_own(n);
   const std::vector<Link> tree = findSpanningTree(positions, sides, neighbors, squared_own);
@@ -261,7 +285,7 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
           of_body ? findSquaredCoverInSpace(positions, neighbors, i) : findSquaredCover(positions, sides, neighbors, i, gaps);
   });
 
-  std::vector<double> radius(n, 0.0);
+  std::vector<double> radius(n, 0.0), typical_of(of_body ? n : 0, 0.0);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     std::vector<float> around;
     for (Index i = begin; i < end; ++i) {
@@ -274,15 +298,16 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
       const double typical = std::sqrt(findQuantile(around, kTreeQuantile));
       const double from_tree = std::max(kTreeFactor * typical, kOwnFactor * std::sqrt(squared_own[i]));
       radius[i] = from_tree;
-      if (squared_cover.empty()) continue;
+      if (of_body) typical_of[i] = typical;
+      if (of_body || squared_cover.empty()) continue;
       around.assign(1, squared_cover[i]);
       for (const Index* j = neighbors.begin(i); j != last; ++j) around.push_back(squared_cover[*j]);
-      double cover = std::sqrt(findQuantile(around, kCoverQuantile));
-      if (of_body) cover = cover > kDirectional * typical ? kTreeFactor * cover : 0.0;
+      const double cover = std::sqrt(findQuantile(around, kCoverQuantile));
       if (std::isfinite(cover)) radius[i] = std::max(from_tree, std::min(cover, kMaxCover * from_tree));
     }
   });
-  return radius;
+  const bool is_directional = of_body && holdBodyTogether(neighbors, squared_cover, typical_of, radius);
+  return {std::move(radius), is_directional};
 }
 
 }  // namespace deformable_surface::cloud

@@ -13,11 +13,16 @@ constexpr double kFacingCosine = -0.3;
 /// The squared anisotropic length of a link (m^2), symmetric in its ends. See GeodesicGraph.
 double measureSquaredLength(const Points& positions, const SurfaceSides& sides, Index i, Index j);
 
-/// (n) m: the larger of two lengths around each point. A little more than the ninth decile of the minimum spanning tree's links
+struct TrustRadii {
+  std::vector<double> radius;   // (n) m
+  bool is_directional = false;  // of a body that is sampled more densely in one direction
+};
+
+/// The larger of two lengths around each point. A little more than the ninth decile of the minimum spanning tree's links
 /// there, or than the point's own second link, whichever is longer; and, with normals, the first decile of the lengths at which
 /// points are surrounded by neighbours, at most twice the first: a sampling that is denser in one direction is held together
-/// across it. of_body: the same without normals, where neighbours surround points in space alike on both sides. Parallel; O(n k),
-/// of a body O(n k^2).
-std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, bool of_body);
+/// across it. of_body: the same without normals, if a quarter of the points is surrounded by neighbours in space that far away
+/// only. Parallel; O(n k).
+TrustRadii findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, bool of_body);
 
 }  // namespace deformable_surface::cloud

@@ -1,6 +1,7 @@
 #include "rest_parts.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
@@ -160,6 +161,9 @@ std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const
                                      RestSurface& s) {
   if (params.areEuclidean()) return {};
   const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesic_exponent, 0.0, true);
+  if (graph.is_directional)
+    s.notes.push_back("the body is sampled more densely in one direction than in another: gaps narrower than about " +
+                      formatShort(findMedian(graph.trust_radius)) + " m are closed");
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
   neighbors = std::move(found.lists);
   noteGaps(found, s);

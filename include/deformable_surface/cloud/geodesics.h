@@ -34,6 +34,7 @@ struct GeodesicGraph {
   std::vector<double> cost;          // of each link, as listed
   bool cost_is_distance = false;     // else the distance is the Euclidean length of the path
   std::vector<double> trust_radius;  // (n) m; empty with a given exponent
+  bool is_directional = false;       // of a body that is sampled more densely in one direction
 };
 
 /// neighbors: of every point, nearest first; a pair is linked if either lists the other. Links that no chosen path can use

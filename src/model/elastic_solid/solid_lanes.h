@@ -126,6 +126,13 @@ DEFORMABLE_SURFACE_INLINE void findRotations(const Four& F, Four& R, bool* is_so
   for (int lane = 0; lane < 4; ++lane) is_sound[lane] = change[lane] < kConverged && first[lane] > kSmallest;
 }
 
+// s of kNeoHookean and its derivative, as neo_hookean::findFactor().
+DEFORMABLE_SURFACE_INLINE void findFactors(double mu, double lambda, const Double4& J, Double4& factor, Double4& slope) {
+  const Double4 least = Double4{} + neo_hookean::kCrushed, held = J < least ? least : J, inverse = 1.0 / held;
+  factor = lambda * (J - 1.0) - mu * inverse * (1.0 - inverse * (J - held));
+  slope = lambda + mu * inverse * inverse;
+}
+
 // P by law; of kCorotated with the rotations.
 DEFORMABLE_SURFACE_INLINE void findStresses(StressLaw law, double mu, double lambda, const Four& F, const Four& R, Four& P) {
   if (law == StressLaw::kCorotated) {
@@ -141,7 +148,8 @@ DEFORMABLE_SURFACE_INLINE void findStresses(StressLaw law, double mu, double lam
     Four C;
     Double4 J;
     findCofactors(F, C, J);
-    const Double4 factor = (lambda + mu) * (J - 1.0) - mu;
+    Double4 factor, slope;
+    findFactors(mu, lambda, J, factor, slope);
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) P.at[r][c] = mu * F.at[r][c] + factor * C.at[r][c];
     return;
@@ -173,17 +181,17 @@ DEFORMABLE_SURFACE_INLINE void findTangentStresses(double mu, double lambda, con
   }
 }
 
-// P of a motion by kNeoHookeanTangent, from the F and the factor of cof F of four points. F: of the motion.
-DEFORMABLE_SURFACE_INLINE void findNeoHookeanTangentStresses(double mu, double lambda, const Four& F, const double* tangent,
-                                                             Four& P) {
+// P of a motion by kNeoHookeanTangent, from A, s and its derivative of four points. F: of the motion.
+DEFORMABLE_SURFACE_INLINE void findNeoHookeanTangentStresses(double mu, const Four& F, const double* tangent, Four& P) {
   Four A, C;
-  Double4 factor, J, change{};
+  Double4 factor, slope, J, change{};
   for (int k = 0; k < 9; ++k) load(tangent + 4 * k, A.at[k / 3][k % 3]);
   load(tangent + 36, factor);
+  load(tangent + 40, slope);
   findCofactors(A, C, J);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) change += C.at[r][c] * F.at[r][c];
-  change *= lambda + mu;
+  change *= slope;
   for (int r = 0; r < 3; ++r) {
     const int s = (r + 1) % 3, t = (r + 2) % 3;
     for (int c = 0; c < 3; ++c) {
@@ -208,10 +216,11 @@ DEFORMABLE_SURFACE_INLINE void findNeoHookeanDensities(double mu, double lambda,
   const Double4 yz = G[3] * G[5] - G[4] * G[4];
   const Double4 g1 = G[0] + G[3] + G[5], g2 = yz + (G[0] * G[5] - G[2] * G[2]) + (G[0] * G[3] - G[1] * G[1]),
                 g3 = G[0] * yz - G[1] * (G[1] * G[5] - G[2] * G[4]) + G[2] * (G[1] * G[4] - G[2] * G[3]);
-  const auto is_far = J < neo_hookean::kFarFromRest;
-  const Double4 growth = is_far ? J - 1.0 : (2.0 * g1 + 4.0 * g2 + 8.0 * g3) / (J + 1.0);
-  const Double4 sheared = is_far ? g1 - growth : (g1 * growth - 4.0 * g2 - 8.0 * g3) / (J + 1.0);
-  densities = mu * sheared + 0.5 * (lambda + mu) * growth * growth;
+  const auto is_crushed = J < neo_hookean::kCrushed;
+  const Double4 growth = is_crushed ? J - 1.0 : (2.0 * g1 + 4.0 * g2 + 8.0 * g3) / (J + 1.0);
+  const Double4 sheared = is_crushed ? g1 - growth : (g1 * growth - 4.0 * g2 - 8.0 * g3) / (J + 1.0);
+  for (int lane = 0; lane < 4; ++lane)
+    densities[lane] = mu * sheared[lane] + (mu * growth[lane] + neo_hookean::findPressed(mu, lambda, growth[lane]));
 }
 
 // psi by law (not kBound or a tangent); of kCorotated with the rotations.

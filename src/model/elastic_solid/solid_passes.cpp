@@ -102,7 +102,7 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
     if (law == StressLaw::kTangent) {
       findTangentStresses(a.mu, a.lambda, F, tangent, Q);
     } else if (law == StressLaw::kNeoHookeanTangent) {
-      findNeoHookeanTangentStresses(a.mu, a.lambda, F, tangent, Q);
+      findNeoHookeanTangentStresses(a.mu, F, tangent, Q);
     } else {
       findStresses(law, a.mu, a.lambda, F, R, Q);
     }
@@ -371,8 +371,10 @@ void SolidPasses::prepareNeoHookean(bool is_positive, Index i, const double* pos
   const Mat3 F = fitGradient(i, positions);
   double* to = tangent_.data() + 4 * kTangents * static_cast<std::size_t>(i / 4) + i % 4;
   for (int k = 0; k < 9; ++k) to[4 * k] = F(k / 3, k % 3);
-  const double factor = neo_hookean::findFactor(rest.mu, rest.lambda, F.determinant());
-  to[36] = is_positive ? neo_hookean::limitFactor(rest.mu, rest.lambda, F, factor) : factor;
+  neo_hookean::Factor factor = neo_hookean::findFactor(rest.mu, rest.lambda, F.determinant());
+  if (is_positive) factor = neo_hookean::limitFactor(rest.mu, F, factor);
+  to[36] = factor.value;
+  to[40] = factor.slope;
 }
 
 double SolidPasses::boundStiffening(Index begin, Index end, const double* positions) const {

@@ -9,13 +9,13 @@ namespace deformable_surface::model {
 /// Stress laws, with P the first Piola-Kirchhoff stress and psi the energy density:
 ///   kCorotated   psi = mu |F - R|^2 + lambda/2 tr^2(R^T F - I),  P = 2 mu (F - R) + lambda tr(R^T F - I) R,
 ///   kLinear      psi = mu |e|^2 + lambda/2 tr^2(e), e = (F + F^T)/2 - I,  P = 2 mu e + lambda tr(e) I,
-///   kNeoHookean  psi = mu/2 (|F|^2 - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2, J = det F,  P = mu F + s cof F,
-///                s = (lambda + mu) (J - 1) - mu [Smith et al. 2018, without the logarithm],
+///   kNeoHookean  psi = mu/2 (|F|^2 - 3) - mu ln J + lambda/2 (J - 1)^2, J = det F,  P = mu F + s cof F,
+///                s = lambda (J - 1) - mu / J; from J = 0.1 down, ln J goes on as a parabola [Bonet and Wood 2008],
 ///   kBound       P = 2 mu F + lambda tr(F) I, linear in F: for motions instead of places, at least as stiff as the others
 ///                while lambda tr(R^T F - I) <= 2 mu,
 ///   kTangent     P = 2 mu F + lambda tr(R^T F) R + R [M a]x, a the axial vector of R^T F - F^T R: for motions, the derivative
 ///                of one of the first two where SolidPasses::prepareTangent() was called,
-///   kNeoHookeanTangent  P = mu F + (lambda + mu) (cof A : F) cof A + s d(cof A)[F]: the same of kNeoHookean, A its F there.
+///   kNeoHookeanTangent  P = mu F + s' (cof A : F) cof A + s d(cof A)[F]: the same of kNeoHookean, A its F there.
 /// R is the rotation nearest to F (a proper one, also where F turns the body inside out).
 enum class StressLaw { kCorotated, kLinear, kNeoHookean, kBound, kTangent, kNeoHookeanTangent };
 
@@ -47,8 +47,8 @@ class SolidPasses {
   void gatherForces(Index begin, Index end, double* forces) const { rooms_.addForces(begin, end, forces); }
   /// Stores R and M of every point for kTangent. In kCorotated M = (lambda tr(S - I) - 2 mu) (tr(S) I - S)^-1, S = R^T F, in
   /// kLinear -mu. is_positive: eigenvalues of M below -mu are raised to it, so that no motion of the point gains
-  /// energy. For kNeoHookeanTangent stores A and s; is_positive: a smaller |s|, for the same. The completion of a deficient F is
-  /// taken as constant. begin: a multiple of four.
+  /// energy. For kNeoHookeanTangent stores A, s and s'; is_positive: a smaller |s|, for the same. The completion of a deficient F
+  /// is taken as constant. begin: a multiple of four.
   void prepareTangent(StressLaw law, bool is_positive, Index begin, Index end, const double* positions);
   /// A bound of the largest stiffness of a point by kNeoHookean over that at rest (neo_hookean::boundStiffening()).
   double boundStiffening(Index begin, Index end, const double* positions) const;
@@ -78,8 +78,8 @@ class SolidPasses {
   void prepareNeoHookean(bool is_positive, Index i, const double* positions);
   double findEnergy(StressLaw law, Index i, const double* positions) const;
 
-  std::vector<double> constants_;   // (n / 4 x 13 x 4): V, sum_j g_ij, K'^-1, sum_j m'_ij of four points side by side
-  std::vector<double> tangent_;     // (n / 4 x 15 x 4): R by rows, M xx xy xz yy yz zz, or A by rows, s; empty until asked for
+  std::vector<double> constants_;  // (n / 4 x 13 x 4): V, sum_j g_ij, K'^-1, sum_j m'_ij of four points side by side
+  std::vector<double> tangent_;    // (n / 4 x 15 x 4): R by rows, M xx xy xz yy yz zz, or A by rows, s, s'; empty until asked for
   std::vector<char> is_deficient_;  // (n) or empty: none is
   PointRooms rooms_;
 };
