@@ -266,6 +266,8 @@ TEST(ReadScene, RefusesChoicesOfElasticSolidsThatDoNotGoTogether) {
   EXPECT_TRUE(
       contains(problemOf("elastic_solid: {dimension: planar, fill: true}"), "elastic_solid.fill: found true for a planar solid"));
   EXPECT_TRUE(contains(problemOf("elastic_solid: {law: linear, plasticity: {yield_stress: 1}}"), "found one with law: linear"));
+  EXPECT_TRUE(contains(problemOf("elastic_solid: {law: neo_hookean, plasticity: {yield_stress: 1}}"),
+                       "found one with law: neo_hookean; accepted: 0, or law: corotated"));
 }
 
 TEST(ReadScene, TakesOneAccuracyTargetWhereTheNumberOfPointsIsFree) {

@@ -156,6 +156,44 @@ TEST(SolidSimulation, OfFewPointsIsAsHeavyAndAsStiffAsItsCloud) {
   }
 }
 
+// Like voxels of slices that are 1.6 times as thick as the voxels are wide: a bar along x, which sags.
+TEST(SolidSimulation, OfLayersThatAreFartherApartIsOneBody) {
+  SceneParams scene = makeBarScene();
+  scene.material.young_modulus = 1e6;
+  scene.gravity = Vec3(0.0, 0.0, -0.5);
+  scene.integrator.type = solve::IntegratorType::kStatic;
+  scene.accuracy.estimate = false;
+  double sag = 0.0;
+  for (const double jitter : {0.0, 0.15})
+    for (const Index points : {0, 800}) {
+      Points bar = makeBox(26, 9, 9, 1.0, jitter);
+      for (Vec3& p : bar) p = Vec3(0.012 * p.x(), 0.0075 * p.y(), 0.0075 * p.z());
+      scene.simplification = {};
+      if (points == 0) scene.simplification.method = cloud::SimplificationMethod::kNone;
+      scene.simplification.target_points = points;
+      Simulation s(scene, asCloud(bar));
+      EXPECT_TRUE(hasNote(s, "the body is sampled more densely in one direction than in another: gaps narrower than about 0.01"));
+      double mass = 0.0;
+      for (const double m : s.model().masses()) mass += m;
+      EXPECT_NEAR(mass, 1000.0 * 0.3 * 0.06 * 0.06, 0.01) << points;
+      run(s, 1);
+      const Points& positions = s.surface(false).positions;
+      double now = 0.0;
+      for (std::size_t i = 0; i < bar.size(); ++i) now = std::max(now, (positions[i] - bar[i]).norm());
+      if (sag == 0.0) sag = now;
+      EXPECT_NEAR(now, sag, 0.1 * sag) << points << " points, jitter " << jitter;
+    }
+}
+
+TEST(SolidSimulation, RefusesANeoHookeanPlate) {
+  SceneParams scene = makeBarScene();
+  scene.elastic_solid.law = model::SolidLaw::kNeoHookean;
+  EXPECT_EQ(problemOf(scene, sheetCloud()),
+            "elastic_solid.law: found neo_hookean for a plate; accepted: corotated or linear, or elastic_solid.plane: strain");
+  scene.elastic_solid.plane = model::PlaneKind::kStrain;
+  EXPECT_EQ(problemOf(scene, sheetCloud()), "accepted");
+}
+
 TEST(SolidSimulation, RefusesWhatIsNoBody) {
   SceneParams scene = makeBarScene();
   scene.pins.clear();

@@ -75,10 +75,6 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
   if (wanted == model::SolidDimension::kVolume && is_flat)
     throw InputError(
         "elastic_solid.dimension: found volume, but all points lie in a plane; accepted: points that fill space, or planar");
-  if (is_flat && params.elastic_solid.law == model::SolidLaw::kNeoHookean &&
-      params.elastic_solid.plane == model::PlaneKind::kStress)
-    throw InputError(
-        "elastic_solid.law: found neo_hookean for a plate; accepted: corotated or linear, or elastic_solid.plane: strain");
   if (is_flat) return all.normal;
   if (findMedian(thinness) < kThin)
     throw InputError(
@@ -165,6 +161,10 @@ namespace {
 
 // Model, pins and notes on the simulation points.
 void finishSolid(const SceneParams& params, model::Outline outline, RestSurface& s) {
+  if (!s.across.isZero(0.0) && params.elastic_solid.law == model::SolidLaw::kNeoHookean &&
+      params.elastic_solid.plane == model::PlaneKind::kStress)
+    throw InputError(
+        "elastic_solid.law: found neo_hookean for a plate; accepted: corotated or linear, or elastic_solid.plane: strain");
   auto solid = std::make_unique<model::ElasticSolid>(s.points, s.solid_neighbors, s.detours, s.across, params.material,
                                                      params.elastic_solid, outline, s.point_volumes);
   if (solid->numDeficient() > 0)
