@@ -97,7 +97,11 @@ TEST_P(ElasticSolidPart, PushesItsPointsAsTheWholeDoes) {
   EXPECT_LT(compare(product, partial_product, part.points), kRounding);
 
   for (std::size_t k = 0; k < part.points.size(); ++k) EXPECT_EQ(part.model->masses()[k], whole.masses()[part.points[k]]);
-  EXPECT_EQ(part.model->findStableStep(partial), whole.findStableStep(state));
+  if (GetParam().law == model::SolidLaw::kNeoHookean) {  // the stiffest point may lie outside of the part
+    EXPECT_GE(part.model->findStableStep(partial), whole.findStableStep(state));
+  } else {
+    EXPECT_EQ(part.model->findStableStep(partial), whole.findStableStep(state));
+  }
 }
 
 // Motion in the part changes the energy of the part as it changes that of the whole.
