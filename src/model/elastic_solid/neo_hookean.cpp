@@ -40,8 +40,8 @@ Factor findFactor(double mu, double lambda, double J) {
   return {lambda * (J - 1.0) - mu * inverse * (1.0 - inverse * std::min(0.0, J - kCrushed)), lambda + mu * inverse * inverse};
 }
 
-// Near rest mu (g1 - growth) is a small difference of large numbers: there by Green's strain G, with J^2 - 1 = 2 g1 + 4 g2 + 8
-// g3.
+// Near rest mu (g1 - growth) is a small difference of large numbers. So both come from the invariants of Green's strain G, with
+// which J^2 - 1 = 2 g1 + 4 g2 + 8 g3.
 double findDensity(double mu, double lambda, const Mat3& F) {
   const Mat3 G = 0.5 * (F.transpose() * F - Mat3::Identity());
   const double J = F.determinant(), g1 = G.trace(), g2 = 0.5 * (g1 * g1 - G.squaredNorm()), g3 = G.determinant();
