@@ -305,9 +305,7 @@ void ElasticSolid::turnNormals(const State& state, const Points& normals, std::v
     for (Index i = begin; i < end; ++i) {
       Mat3 F = passes_.fitGradient(i, positions_.data());
       if (!state.plastic.empty()) F = Mat3(F * state.plastic[i].inverse());  // of F_e and F_p
-      Mat3 cofactor;
-      cofactor << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
-      const Vec3 normal = cofactor * normals[i];
+      const Vec3 normal = findCofactors(F) * normals[i];
       const double length = normal.norm();
       turned[i] = (length > 0.0 ? Vec3(normal / length) : normals[i]).cast<float>();
     }

@@ -3,6 +3,8 @@
 // and for stretches along the axes those of [0 d3 d2; d3 0 d1; d2 d1 0], the roots of x^3 - |F|^2 x - 2 J [Smith et al. 2018].
 #include "neo_hookean.h"
 
+#include "deformable_surface/model/elastic_solid/solid_passes.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -10,12 +12,6 @@
 
 namespace deformable_surface::model::neo_hookean {
 namespace {
-
-Mat3 findCofactors(const Mat3& F) {
-  Mat3 C;
-  C << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
-  return C;
-}
 
 // The largest root of x^3 - square x - 2 J: the largest eigenvalue of H; with -J, that of -H.
 double findLargestRoot(double square, double J) {

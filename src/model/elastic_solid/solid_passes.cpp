@@ -289,6 +289,12 @@ Mat3 findRotation(const Mat3& F) {
   return U * svd.matrixV().transpose();
 }
 
+Mat3 findCofactors(const Mat3& F) {
+  Mat3 C;
+  C << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
+  return C;
+}
+
 SolidPasses::SolidPasses(SolidRest given) : rest(std::move(given)), rooms_(rest.fit.pairs) {
   const Index n = size();
   const std::size_t groups = (static_cast<std::size_t>(n) + 3) / 4;

@@ -86,5 +86,7 @@ class SolidPasses {
 
 /// The rotation nearest to F, also where F is singular or inside out. Where several are equally near, always the same.
 Mat3 findRotation(const Mat3& F);
+/// cof F, which turns areas, also where F is singular.
+Mat3 findCofactors(const Mat3& F);
 
 }  // namespace deformable_surface::model
