@@ -163,7 +163,7 @@ std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const
   const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesic_exponent, 0.0, true);
   if (graph.is_directional)
     s.notes.push_back("the body is sampled more densely in one direction than in another: gaps narrower than about " +
-                      formatShort(findMedian(graph.trust_radius)) + " m are closed");
+                      formatShort(findMedian(graph.trust_radius)) + " m count as part of it");
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
   neighbors = std::move(found.lists);
   noteGaps(found, s);
